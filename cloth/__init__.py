@@ -1,0 +1,1 @@
+"""The diaphragm alone: an inextensible cloth in a rigid spherical shell."""

@@ -1,0 +1,1 @@
+"""Partitioned fluid-structure interaction of spherical elastomeric diaphragm tanks."""

@@ -1,0 +1,223 @@
+"""What the parts of a coupled run promise each other.
+
+Data flows one way: scene -> structure | liquid -> coupled step -> results. Every seam stands here,
+so that a participant, a fluid or a scheme can be replaced without touching the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class RunFailed(Exception):  # noqa: N818 - named for what a user reads
+    """A run that cannot go on; the message says when, what and the mend."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HydrostaticLoad:
+    """The part of the liquid's pressure that needs no flow: p = datum + density * body_force . x.
+
+    ``density`` [kg/m^3]; ``body_force`` (3,) [m/s^2] is gravity less the tank's acceleration.
+    With ``volume`` [m^3] the liquid's volume is a constraint and the datum its multiplier;
+    with ``datum`` [Pa] instead the datum is given and the volume goes where it likes.
+    """
+
+    density: float
+    body_force: Array
+    volume: float | None = None
+    datum: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureState:
+    """Where the diaphragm stands after a step (arrays are copies).
+
+    ``position``, ``velocity`` (n, 3) [m, m/s]; ``datum_pressure`` [Pa]; ``volume`` of the liquid
+    [m^3]; ``strain`` (m,), the largest principal tensile strain of every triangle;
+    ``change``: the last inner iteration's rms displacement [m], the solver's own error.
+    """
+
+    position: Array
+    velocity: Array
+    datum_pressure: float
+    volume: float
+    strain: Array
+    change: float
+
+
+class Structure(Protocol):
+    """The diaphragm, able to repeat a step from the same start."""
+
+    reference: Array  # (n, 3) [m] moulded shape
+    triangles: Ints  # (m, 3), counter-clockwise seen from the gas
+    fixed: NDArray[np.bool_]  # (n,) clamped nodes
+
+    def begin_step(
+        self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None
+    ) -> None:
+        """Start a step of ``dt`` [s] from the committed state.
+
+        ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
+        """
+
+    def inertial_prediction(self) -> Array:
+        """x~ (n, 3) [m] of this step: its acceleration at x is (x - x~) / acceleration_scale."""
+
+    @property
+    def acceleration_scale(self) -> float:
+        """b^2 [s^2] of this step's implicit formula (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""
+
+    def solve(self, force: Array) -> Array:
+        """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
+
+        The inertia that ``added_mass`` adds is part of the solve. The committed state stays as it
+        was: the call can be repeated, and the same force gives the same answer bit for bit.
+        """
+
+    def accept_step(self) -> None:
+        """Commit the last solve."""
+
+    @property
+    def state(self) -> StructureState:
+        """The committed state."""
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs to go on bit for bit."""
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlowSample:
+    """What a flow says of a step, once accepted.
+
+    ``face_pressure`` (F,) [Pa]: p* on the faces of the diaphragm, area mean removed;
+    ``wall_pressure_force`` and ``wall_pressure_moment`` (3,) [N, N m]: of p* on all walls, about
+    the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] as in the Bernoulli
+    ratios; ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
+    ``liquid_cg`` (3,) [m] of the flow's mesh; ``non_orthogonality_max`` [deg].
+    """
+
+    face_pressure: Array
+    wall_pressure_force: Array
+    wall_pressure_moment: Array
+    speed_max: float
+    dphi_dt_max: float
+    volume: float
+    volume_error: float
+    liquid_cg: Array
+    non_orthogonality_max: float
+
+
+class Flow(Protocol):
+    """A liquid that moves: boundary points in, pressure beyond hydrostatics out.
+
+    The interface is the flow's own patch on the diaphragm: ``points`` (p, 3) [m], ``faces``
+    (F, 4), seen counter-clockwise from the gas (outside the liquid).
+    """
+
+    points: Array
+    faces: Ints
+
+    def begin_step(self, time: float, dt: float) -> None:
+        """Start a step of ``dt`` from the committed fields at ``time`` [s]."""
+
+    def close_volume(self, points: Array) -> Array:
+        """The nearest interface (p, 3) that encloses the liquid's volume exactly."""
+
+    def solve(self, points: Array) -> Array:
+        """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed)."""
+
+    def added_mass(self) -> Array:
+        """Rows (r, p, 3) [kg^(1/2)] on the interface's points with M_a = B^T B, at the start."""
+
+    def accept_step(self) -> FlowSample:
+        """Commit the last solve."""
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs."""
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+
+
+class Scheme(Protocol):
+    """A coupling scheme finds x with S(F(x)) = x; it knows interface vectors only."""
+
+    def begin_step(self) -> None:
+        """Forget what holds within one step only."""
+
+    def update(self, x: Array, residual: Array) -> Array:
+        """The next x (k,) from x (k,) and the residual S(F(x)) - x (k,)."""
+
+    def accept_step(self) -> None:
+        """Keep what later steps may reuse."""
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs."""
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample:
+    """One instant of a run, as it goes into the results (tank frame, SI).
+
+    Shapes: ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``, ``moment``
+    (3,); ``position`` (n, 3); ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and
+    p* with its mean removed; ``strain`` (m,). ``force`` [N] and ``moment`` [N m] act on tank and
+    diaphragm, about the tank's centre. ``metrics``: further scalars by name (``speed_max``,
+    ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample of a run.
+    """
+
+    time: float
+    tank_acceleration: Array
+    tank_displacement: Array
+    position: Array
+    pressure: Array
+    dynamic_pressure: Array
+    strain: Array
+    volume: float
+    datum_pressure: float
+    liquid_cg: Array
+    force: Array
+    moment: Array
+    iterations: int
+    residual: float
+    metrics: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(kw_only=True)
+class RunStatistics:
+    """What a run counts as it goes; becomes part of ``summary.json``.
+
+    Every step counts here, not only those written out. ``wall_by_part`` [s].
+    """
+
+    steps: int = 0
+    simulated_s: float = 0.0
+    wall_s: float = 0.0
+    wall_by_part: dict[str, float] = field(
+        default_factory=lambda: {"structure": 0.0, "fluid": 0.0, "mapping": 0.0, "output": 0.0}
+    )
+    strain_tensile_max: float = 0.0
+    volume_error_max: float = 0.0
+    iterations_total: int = 0
+    iterations_max: int = 0
+    unconverged_steps: int = 0
+    speed_max: float | None = None
+    dphi_dt_max: float | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, for the checkpoint."""
+        return dict(vars(self))
