@@ -1,0 +1,243 @@
+"""The sections of a scene: what each key means and which values it takes.
+
+Every description completes the sentence "Give the ...": it ends the message about a wrong value.
+Immutable; SI throughout; a key that is not named here is refused.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from coupling.liquids import LIQUIDS
+from coupling.ports import Array
+
+_MATERIAL: dict[str, Any] = {"instead": 'a known material such as material = "AF-E-332"'}
+_LIQUID: dict[str, Any] = {"instead": 'a known liquid such as name = "water"'}
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+Vector = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
+
+
+class Section(BaseModel):
+    """Shared settings: frozen, typed strictly (an integer is a number), finite, no other keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Tank(Section):
+    """The rigid spherical shell, centred on the origin of the tank frame."""
+
+    radius: float = Field(gt=0, description="tank's inner radius [m]")
+
+    @property
+    def volume(self) -> float:
+        """Of the whole sphere [m^3]."""
+        return 4.0 / 3.0 * float(np.pi) * self.radius**3
+
+
+def named_material(name: str) -> dict[str, float]:
+    """Density, Young's modulus and Poisson's ratio of a built-in elastomer, where known.
+
+    The only place where a scene asks the diaphragm's package for anything.
+
+    Raises ``PydanticCustomError`` for a name that is not built in.
+    """
+    from cloth.material import ELASTOMERS
+
+    found = {known.lower(): data for known, data in ELASTOMERS.items()}.get(name.lower())
+    if found is None:
+        raise PydanticCustomError(
+            "unknown_name",
+            "is not a built-in elastomer. Use one of {names}, or give density, youngs_modulus "
+            "and poisson_ratio",
+            {"key": "material", "names": ", ".join(ELASTOMERS)},
+        )
+    values = {
+        "density": found.density,
+        "youngs_modulus": found.youngs_modulus,
+        "poisson_ratio": found.poisson_ratio,
+    }
+    return {key: value for key, value in values.items() if value is not None}
+
+
+class Diaphragm(Section):
+    """The rubber, moulded as a hemisphere and clamped at the equator.
+
+    Either ``material`` or the three numbers; a number given beside a material overrides it.
+    """
+
+    thickness: float = Field(gt=0, description="thickness of the rubber [m], below 0.05 radii")
+    material: str | None = Field(default=None, description="name of a built-in elastomer")
+    density: float = Field(
+        gt=0, description="density of the rubber [kg/m^3]", json_schema_extra=_MATERIAL
+    )
+    youngs_modulus: float = Field(
+        gt=0, description="Young's modulus of the rubber [Pa]", json_schema_extra=_MATERIAL
+    )
+    poisson_ratio: float = Field(
+        ge=0, le=0.5, description="Poisson ratio, 0.5 for rubber", json_schema_extra=_MATERIAL
+    )
+    inextensible: Literal[True] = Field(default=True, description="value true")
+    held: bool = Field(
+        default=False, description="value true to hold the settled shape (rigid-body limit)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_material(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or not isinstance(given.get("material"), str):
+            return given
+        return named_material(given["material"]) | given
+
+    @property
+    def area_density(self) -> float:
+        """Mass per area [kg/m^2]."""
+        return self.density * self.thickness
+
+    @property
+    def bending_stiffness(self) -> float:
+        """Plate stiffness E t^3 / (12 (1 - nu^2)) [N m]."""
+        return self.youngs_modulus * self.thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
+
+
+class Liquid(Section):
+    """The liquid below the diaphragm: by ``name``, by numbers, or a name with numbers changed."""
+
+    name: str | None = Field(default=None, description="name of a built-in liquid")
+    density: float = Field(
+        gt=0, description="density of the liquid [kg/m^3]", json_schema_extra=_LIQUID
+    )
+    viscosity: float = Field(
+        gt=0, description="kinematic viscosity of the liquid [m^2/s]", json_schema_extra=_LIQUID
+    )
+    surface_tension: float | None = Field(
+        default=None, gt=0, description="surface tension [N/m]; only Bond and Weber numbers use it"
+    )
+    fill_fraction: float = Field(gt=0, lt=1, description="liquid volume over the tank volume")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_name(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or not isinstance(given.get("name"), str):
+            return given
+        data = LIQUIDS.get(given["name"].lower())
+        if data is None:
+            raise PydanticCustomError(
+                "unknown_name",
+                "is not a built-in liquid. Use one of {names}, or give density and viscosity",
+                {"key": "name", "names": ", ".join(LIQUIDS)},
+            )
+        known = {
+            "density": data.density,
+            "viscosity": data.viscosity,
+            "surface_tension": data.surface_tension,
+        }
+        return known | given
+
+
+class Motion(Section):
+    """How the tank's centre moves from time 0 on, when the diaphragm has settled.
+
+    ``sine``: amplitude * s(t) * sin(2 pi frequency t) along ``direction``, with s a smooth ramp
+    over ``ramp`` periods. ``table``: accelerations from a CSV file. ``rest``: none.
+    """
+
+    kind: Literal["sine", "table", "rest"] = Field(
+        default="rest", description='kind of motion: "sine", "table" or "rest"'
+    )
+    frequency: float | None = Field(default=None, gt=0, description="frequency [Hz]")
+    amplitude: float | None = Field(
+        default=None, ge=0, description="displacement, centre to peak [m]"
+    )
+    direction: Vector = Field(default=(1.0, 0.0, 0.0), description="direction of the shaking")
+    ramp: float = Field(default=1.0, ge=0, description="smooth start in periods, 0 for none")
+    file: str | None = Field(
+        default=None, description="CSV file with columns time, ax, ay, az (s, m/s^2)"
+    )
+
+    @property
+    def unit_direction(self) -> Array:
+        """``direction`` scaled to length 1, (3,)."""
+        vector: Array = np.array(self.direction)
+        unit: Array = vector / np.linalg.norm(vector)
+        return unit
+
+
+class Model(Section):
+    """Which liquid the diaphragm feels."""
+
+    fluid: Literal["datum", "hydrostatic", "openfoam"] = Field(
+        default="openfoam", description='fluid model: "datum", "hydrostatic" or "openfoam"'
+    )
+
+
+class Cloth(Section):
+    """The diaphragm's mesh and solver."""
+
+    resolution: int = Field(default=24, ge=4, le=200, description="number of rings of triangles")
+    grid: Literal["rings"] = Field(default="rings", description='grid: "rings"')
+    wrinkling: Literal["relaxed"] = Field(
+        default="relaxed", description='wrinkling model: "relaxed" (folds below the grid)'
+    )
+    strain_limit: float = Field(
+        default=0.01, gt=0, lt=1, description="largest principal tensile strain to report as kept"
+    )
+    iterations: int = Field(default=20, ge=1, le=10000, description="inner iterations of a solve")
+    drag: float = Field(default=100.0, ge=0, description="tangential drag of slack cloth [1/s]")
+
+
+class OpenFoam(Section):
+    """The flow solver and its mesh; read only when ``model.fluid`` is ``openfoam``."""
+
+    command: str = Field(
+        default="pimpleFoam", min_length=1, description="solver: a name on PATH or a path"
+    )
+    cells: int = Field(default=1300, ge=64, description="approximate number of cells, 64 or more")
+    processors: Literal[1] = Field(default=1, description="value 1")
+    timeout: float = Field(default=120.0, gt=0, description="longest wait for one solver call [s]")
+    clearance: float = Field(
+        default=0.02, gt=0, le=0.2, description="film kept at the wet shell for the mesh, over R"
+    )
+
+
+class Coupling(Section):
+    """How diaphragm and flow are made to agree within a step."""
+
+    scheme: Literal["added-mass", "iqn-ils", "aitken", "fixed-point"] = Field(
+        default="added-mass",
+        description='coupling scheme: "added-mass", "iqn-ils", "aitken" or "fixed-point"',
+    )
+    tolerance: float = Field(default=1e-4, gt=0, lt=1, description="relative residual to reach")
+    max_iterations: int = Field(default=30, ge=1, description="most iterations of a step")
+    reuse: int = Field(default=8, ge=0, description="number of past steps that iqn-ils reuses")
+    max_unconverged: int = Field(
+        default=5, ge=0, description="number of unconverged steps after which the run stops"
+    )
+    relaxation: float = Field(
+        default=0.1, gt=0, le=1, description="first relaxation of aitken and iqn-ils"
+    )
+
+
+class Time(Section):
+    """Steps and output. Time 0 is the settled state; the shaking starts there."""
+
+    settle: float = Field(default=1.0, ge=0, description="largest pseudo-time of settling [s]")
+    duration: float = Field(gt=0, description="simulated time after settling [s]")
+    step: float = Field(default=0.005, gt=0, description="time step [s]")
+    output_every: int = Field(default=4, ge=1, description="number of steps between outputs")
+    checkpoint_every: int = Field(
+        default=50, ge=1, description="number of steps between checkpoints"
+    )
+
+    @property
+    def steps(self) -> int:
+        """Number of steps that reach the duration."""
+        return max(1, round(self.duration / self.step))
