@@ -1,0 +1,79 @@
+"""``results.xdmf``: how ParaView and meshio see ``results.h5`` as a moving surface.
+
+XDMF names whole datasets, and meshio reads no slices. Every instant therefore has its own names in
+the group ``instants`` of ``results.h5``: virtual datasets, views of 1 kB onto the rows of
+``diaphragm/...``, which hold the numbers once.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import h5py
+
+from coupling.ports import Array
+
+_VIEWS = ("position", "pressure", "dynamic_pressure", "strain")
+
+
+def link_instants(file: Any, start: int, stop: int) -> None:
+    """Add the views of rows ``start`` to ``stop`` of the diaphragm's datasets."""
+    for name in _VIEWS:
+        dataset = file[f"diaphragm/{name}"]
+        source = h5py.VirtualSource(dataset)
+        for row in range(start, stop):
+            layout = h5py.VirtualLayout(shape=dataset.shape[1:], dtype=dataset.dtype)
+            layout[...] = source[row]
+            view = file.create_virtual_dataset(f"instants/{row:06d}/{name}", layout)
+            view.attrs["unit"] = dataset.attrs["unit"]
+
+
+def unlink_instants(file: Any, keep: int) -> None:
+    """Remove the views from row ``keep`` on."""
+    for name in [key for key in file.get("instants", ()) if int(key) >= keep]:
+        del file[f"instants/{name}"]
+
+
+def document(data_file: str, times: Array, nodes: int, triangles: int) -> str:
+    """The XDMF text: a temporal collection with the geometry of every instant.
+
+    ``times`` (T,) [s]. The position is a point vector too, for readers such as meshio's
+    ``TimeSeriesReader`` that read the geometry once. Without any instant the collection is empty,
+    which meshio refuses to open.
+    """
+    steps = "".join(
+        _instant(f"{data_file}:/instants/{row:06d}", data_file, float(time), nodes, triangles)
+        for row, time in enumerate(times)
+    )
+    return (
+        '<?xml version="1.0"?>\n<Xdmf Version="3.0">\n<Domain>\n'
+        '<Grid Name="diaphragm" GridType="Collection" CollectionType="Temporal">\n'
+        f"{steps}</Grid>\n</Domain>\n</Xdmf>\n"
+    )
+
+
+def _instant(view: str, data_file: str, time: float, nodes: int, triangles: int) -> str:
+    return (
+        f'<Grid Name="diaphragm" GridType="Uniform">\n<Time Value="{time!r}"/>\n'
+        f'<Topology TopologyType="Triangle" NumberOfElements="{triangles}">'
+        f"{_item(f'{data_file}:/diaphragm/triangles', f'{triangles} 3', 'Int')}</Topology>\n"
+        f'<Geometry GeometryType="XYZ">{_item(f"{view}/position", f"{nodes} 3")}</Geometry>\n'
+        + _attribute("position", "Vector", "Node", _item(f"{view}/position", f"{nodes} 3"))
+        + _attribute("pressure", "Scalar", "Node", _item(f"{view}/pressure", f"{nodes}"))
+        + _attribute(
+            "dynamic_pressure", "Scalar", "Node", _item(f"{view}/dynamic_pressure", f"{nodes}")
+        )
+        + _attribute("strain", "Scalar", "Cell", _item(f"{view}/strain", f"{triangles}"))
+        + "</Grid>\n"
+    )
+
+
+def _attribute(name: str, kind: str, centre: str, item: str) -> str:
+    return f'<Attribute Name="{name}" AttributeType="{kind}" Center="{centre}">{item}</Attribute>\n'
+
+
+def _item(place: str, dimensions: str, kind: str = "Float") -> str:
+    return (
+        f'<DataItem Dimensions="{dimensions}" NumberType="{kind}" Precision="8" Format="HDF">'
+        f"{place}</DataItem>"
+    )

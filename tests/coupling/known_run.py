@@ -1,0 +1,76 @@
+"""A run whose results are known: a level surface that tilts and shifts in step with the tank."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from coupling.ports import Array, Ints, Sample
+from coupling.results import ResultsWriter
+
+RADIUS, FREQUENCY, AMPLITUDE, DENSITY, GRAVITY = 0.4, 1.25, 0.1, 1000.0, 9.81
+OMEGA = 2.0 * np.pi * FREQUENCY
+LAG = np.radians(30.0)
+CG_AMPLITUDE, FORCE_AMPLITUDE, MASS = 0.02, 150.0, 200.0
+
+
+def disc(rings: int = 8) -> tuple[Array, Ints]:
+    """A hemisphere's points (n, 3) and triangles (m, 3) over a disc of ``rings``."""
+    points = [np.zeros(2)]
+    for ring in range(1, rings + 1):
+        angle = 2.0 * np.pi * np.arange(6 * ring) / (6 * ring)
+        points += [
+            (ring / rings * c, ring / rings * s)
+            for c, s in zip(np.cos(angle), np.sin(angle), strict=True)
+        ]
+    plan = np.array(points)
+    triangles = Delaunay(plan).simplices.astype(np.int64)
+    polar = np.hypot(*plan.T) * np.pi / 2
+    azimuth = np.arctan2(plan[:, 1], plan[:, 0])
+    ring_radius = RADIUS * np.sin(polar)
+    reference = np.stack(
+        [ring_radius * np.cos(azimuth), ring_radius * np.sin(azimuth), -RADIUS * np.cos(polar)],
+        axis=1,
+    )
+    return reference, triangles
+
+
+def sample(time: float, reference: Array, triangles: Ints) -> Sample:
+    """The instant of the known run at ``time`` [s]."""
+    displacement = AMPLITUDE * np.sin(OMEGA * time)
+    slope = 0.3 * np.sin(OMEGA * time - LAG)
+    position = reference * [1.0, 1.0, 0.2]
+    rim = 1.0 - np.sum(reference[:, :2] ** 2, axis=1) / RADIUS**2
+    position[:, 2] += rim * slope * reference[:, 0]
+    depth = -position[:, 2]
+    dynamic = 200.0 * np.sin(OMEGA * time) * reference[:, 0] / RADIUS
+    return Sample(
+        time=time,
+        tank_acceleration=np.array([-(OMEGA**2) * displacement, 0.0, 0.0]),
+        tank_displacement=np.array([displacement, 0.0, 0.0]),
+        position=position,
+        pressure=DENSITY * GRAVITY * depth + dynamic + 500.0,
+        dynamic_pressure=dynamic - dynamic.mean(),
+        strain=np.full(len(triangles), 0.002),
+        volume=0.2,
+        datum_pressure=500.0,
+        liquid_cg=np.array([CG_AMPLITUDE * np.sin(OMEGA * time - LAG), 0.0, -0.1]),
+        force=np.array([FORCE_AMPLITUDE * np.sin(OMEGA * time), 0.0, -MASS * GRAVITY]),
+        moment=np.zeros(3),
+        iterations=4,
+        residual=1e-5,
+        metrics={"speed_max": 0.8, "non_orthogonality_max": 40.0},
+    )
+
+
+def write_run(folder: Path, *, periods: float = 3.0, step: float = 0.02, scene: str = "") -> None:
+    """The known run as a results folder."""
+    reference, triangles = disc()
+    writer = ResultsWriter(
+        folder, scene_toml=scene, model="openfoam", reference=reference, triangles=triangles
+    )
+    for time in np.arange(0.0, periods / FREQUENCY + step / 2, step):
+        writer.append(sample(float(time), reference, triangles))
+    writer.close()
