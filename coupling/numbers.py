@@ -1,0 +1,211 @@
+"""Dimensionless numbers of a tank, and what they say of the fluid models before anything is run.
+
+Nothing here is a result: estimates from formulas and from one table of exact slosh frequencies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from coupling.scene import Scene
+
+# First slosh mode (m = 1) of a sphere, lambda = omega^2 R/g against the level h/R. The ends are
+# limits: 1 in a shallow bowl; lambda a/R = 2.754755 for a small opening of radius a (Henrici,
+# Troesch & Wuytack, ZAMP 21 (1970) 285), which is entered at h/R = 2 as lambda sqrt(2 - h/R).
+_LEVELS = np.array([0.0, 0.4, 0.6, 1.0, 1.4, 1.6, 1.8])
+_LAMBDAS = np.array([1.0, 1.1583, 1.2625, 1.560157, 2.1232, 2.6863, 3.9593])
+_SMALL_OPENING = 2.754755
+
+HYDROSTATIC_IS_ENOUGH = 0.05
+
+
+def level_of_fill_fraction(fill_fraction: float) -> float:
+    """Depth h/R of a sphere filled to ``fill_fraction``: the root of h^2 (3 - h) = 4 FF in [0, 2].
+
+    The cap's volume is pi h^2 (3 - h) R^3/3; the cubic is solved exactly by Viete's cosine.
+    ``ValueError`` outside [0, 1].
+    """
+    if not 0.0 <= fill_fraction <= 1.0:
+        raise ValueError(f"fill fraction: must lie in [0, 1], got {fill_fraction:g}.")
+    angle = (np.arccos(1.0 - 2.0 * fill_fraction) + 4.0 * np.pi) / 3.0
+    return float(np.clip(1.0 + 2.0 * np.cos(angle), 0.0, 2.0))
+
+
+def fill_fraction_of_level(level: float) -> float:
+    """Inverse of ``level_of_fill_fraction``: h^2 (3 - h)/4 for h = ``level`` in radii."""
+    return level**2 * (3.0 - level) / 4.0
+
+
+def slosh_eigenvalue(level: float) -> float:
+    """lambda = omega^2 R/g of the first free-surface mode at h/R = ``level`` in (0, 2).
+
+    Interpolates tabulated exact values after division by their singularity 1/sqrt(2 - h/R); within
+    1 % between them. Mass, tension and bending of a diaphragm are left out.
+    ``ValueError`` outside (0, 2).
+    """
+    if not 0.0 < level < 2.0:
+        raise ValueError(f"level h/R: must lie in (0, 2), got {level:g}.")
+    levels = np.append(_LEVELS, 2.0)
+    values = np.append(_LAMBDAS * np.sqrt(2.0 - _LEVELS), _SMALL_OPENING / np.sqrt(2.0))
+    return float(PchipInterpolator(levels, values)(level)) / float(np.sqrt(2.0 - level))
+
+
+def slosh_frequency(*, radius: float, gravity: float, fill_fraction: float) -> float:
+    """First slosh frequency f1 [Hz] of a sphere of ``radius`` [m] under ``gravity`` [m/s^2]."""
+    eigenvalue = slosh_eigenvalue(level_of_fill_fraction(fill_fraction))
+    return float(np.sqrt(eigenvalue * gravity / radius) / (2.0 * np.pi))
+
+
+def bond_number(*, density: float, gravity: float, radius: float, surface_tension: float) -> float:
+    """Bo = rho g R^2/sigma (thesis, section 3.2)."""
+    return density * gravity * radius**2 / surface_tension
+
+
+def weber_number(
+    *, density: float, frequency: float, radius: float, surface_tension: float
+) -> float:
+    """We = f^2 rho R^3/sigma (thesis, section 3.2)."""
+    return frequency**2 * density * radius**3 / surface_tension
+
+
+def froude_number(*, frequency: float, radius: float, gravity: float) -> float:
+    """We/Bo = f^2 R/g: inertia over gravity, whatever the surface tension."""
+    return frequency**2 * radius / gravity
+
+
+def membrane_parameter(
+    *, density: float, gravity: float, radius: float, youngs_modulus: float, thickness: float
+) -> float:
+    """rho g R^2/(E t): the strain of a diaphragm that carries the liquid by tension."""
+    return density * gravity * radius**2 / (youngs_modulus * thickness)
+
+
+def elasto_gravity_wavelength(*, bending_stiffness: float, density: float, gravity: float) -> float:
+    """2 pi (kappa/(rho g))^(1/4) [m]: the length of the wrinkles that bending chooses."""
+    return float(2.0 * np.pi * (bending_stiffness / (density * gravity)) ** 0.25)
+
+
+def added_mass_ratio(
+    *, density: float, radius: float, area_density: float, eigenvalue: float
+) -> float:
+    """Liquid's over diaphragm's mass in the first slosh mode: rho R/(lambda rho_d t).
+
+    From rho g = omega^2 m_a per area. Far above 1 a loosely coupled scheme diverges.
+    """
+    return density * radius / (eigenvalue * area_density)
+
+
+def potential_to_kinetic(
+    *, body_force: float, radius: float, frequency: float, travel: float
+) -> float:
+    """Thesis Eq. 4.6: g R over (travel f)^2/2, with ``travel`` [m] the liquid's way in a period.
+
+    The thesis prints R/4 for the travel where its text says a quarter of the diameter, R/2.
+    """
+    return body_force * radius / (0.5 * (travel * frequency) ** 2)
+
+
+def hydrostatic_error(frequency: float, slosh_frequency: float) -> float:
+    """(f/f1)^2: the unsteady pressure that hydrostatics leaves out, over what it keeps."""
+    return (frequency / slosh_frequency) ** 2
+
+
+def openfoam_error(cells: int) -> float:
+    """Error of the added mass on a mesh of ``cells``, from 2.2 % at 1216 and 0.8 % at 9728."""
+    return float(0.022 * (1216.0 / cells) ** 0.486)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Numbers:
+    """What can be said of a scene without running it.
+
+    Frequencies [Hz], wavelength [m], the rest dimensionless. None where the scene leaves it open:
+    no surface tension, no single frequency.
+    """
+
+    level: float
+    slosh_frequency: float
+    frequency: float | None
+    frequency_ratio: float | None
+    bond: float | None
+    weber: float | None
+    froude: float | None
+    membrane_parameter: float
+    elasto_gravity_wavelength: float
+    folds_round_the_rim: float
+    added_mass_ratio: float
+    hydrostatic_error: float | None
+    openfoam_error: float
+    advised: str
+
+    def to_dict(self) -> dict[str, float | str | None]:
+        """Plain values by name."""
+        return asdict(self)
+
+
+def _driving_frequency(scene: Scene) -> float | None:
+    """[Hz]; 0 at rest, None for a motion table."""
+    frequencies = {"rest": 0.0, "sine": scene.motion.frequency, "table": None}
+    return frequencies[scene.motion.kind]
+
+
+def _similarity(scene: Scene, gravity: float, frequency: float | None) -> dict[str, float | None]:
+    """Bond, Weber and Froude numbers, None where sigma or the frequency is not known."""
+    radius, density = scene.tank.radius, scene.liquid.density
+    bond = weber = froude = None
+    sigma = scene.liquid.surface_tension
+    if sigma is not None:
+        bond = bond_number(density=density, gravity=gravity, radius=radius, surface_tension=sigma)
+    if frequency is not None:
+        froude = froude_number(frequency=frequency, radius=radius, gravity=gravity)
+    if sigma is not None and frequency is not None:
+        weber = weber_number(
+            density=density, frequency=frequency, radius=radius, surface_tension=sigma
+        )
+    return {"bond": bond, "weber": weber, "froude": froude}
+
+
+def numbers_of(scene: Scene) -> Numbers:
+    """Dimensionless numbers and estimated model errors of ``scene``.
+
+    A motion table has no single frequency: then the error of hydrostatics is unknown and the
+    advice is ``openfoam``. A tank at rest is hydrostatic exactly.
+    """
+    radius, density, rubber = scene.tank.radius, scene.liquid.density, scene.diaphragm
+    gravity = float(np.linalg.norm(scene.gravity))
+    level = level_of_fill_fraction(scene.liquid.fill_fraction)
+    f1 = slosh_frequency(radius=radius, gravity=gravity, fill_fraction=scene.liquid.fill_fraction)
+    f = _driving_frequency(scene)
+    error = None if f is None else hydrostatic_error(f, f1)
+    wavelength = elasto_gravity_wavelength(
+        bending_stiffness=rubber.bending_stiffness, density=density, gravity=gravity
+    )
+    enough = error is not None and error < HYDROSTATIC_IS_ENOUGH
+    return Numbers(
+        level=level,
+        slosh_frequency=f1,
+        frequency=f,
+        frequency_ratio=None if f is None else f / f1,
+        membrane_parameter=membrane_parameter(
+            density=density,
+            gravity=gravity,
+            radius=radius,
+            youngs_modulus=rubber.youngs_modulus,
+            thickness=rubber.thickness,
+        ),
+        elasto_gravity_wavelength=wavelength,
+        folds_round_the_rim=2.0 * float(np.pi) * radius / wavelength,
+        added_mass_ratio=added_mass_ratio(
+            density=density,
+            radius=radius,
+            area_density=rubber.area_density,
+            eigenvalue=slosh_eigenvalue(level),
+        ),
+        hydrostatic_error=error,
+        openfoam_error=openfoam_error(scene.openfoam.cells),
+        advised="hydrostatic" if enough else "openfoam",
+        **_similarity(scene, gravity, f),
+    )

@@ -1,0 +1,79 @@
+"""Cases with exact answers: ``edt verify``.
+
+A new case is one function with keyword-only options, and one line in ``CASES``. Cases are imported
+when they are asked for: listing them starts nothing and needs no OpenFOAM.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+from coupling.verify.case import Quantity, VerifyResult, quantity
+
+__all__ = [
+    "CASES",
+    "CaseError",
+    "Quantity",
+    "VerifyResult",
+    "case_function",
+    "case_options",
+    "quantity",
+    "run_case",
+]
+
+CASES: dict[str, str] = {
+    "slosh": "coupling.verify.slosh:slosh",
+    "rigid": "coupling.verify.rigid:rigid",
+    "momentum": "coupling.verify.momentum:momentum",
+    "eq46": "coupling.verify.numbers:eq46",
+    "numbers": "coupling.verify.numbers:numbers",
+}
+
+
+class CaseError(Exception):
+    """An unknown case or a wrong option; the message lists what there is."""
+
+
+def case_function(name: str) -> Callable[..., VerifyResult]:
+    """Function of a case; ``CaseError`` for an unknown one."""
+    if name not in CASES:
+        raise CaseError(f"verify: unknown case '{name}'. There are {', '.join(CASES)}.")
+    module, _, function = CASES[name].partition(":")
+    found: Callable[..., VerifyResult] = getattr(import_module(module), function)
+    return found
+
+
+def case_options(name: str) -> dict[str, inspect.Parameter]:
+    """Options that a case takes, by name."""
+    return dict(inspect.signature(case_function(name), eval_str=True).parameters)
+
+
+def _converted(case: str, parameter: inspect.Parameter, text: str) -> Any:
+    kind = parameter.annotation
+    if kind not in (int, float):
+        return text
+    try:
+        return kind(text)
+    except ValueError:
+        wanted = "a whole number" if kind is int else "a number"
+        option = parameter.name.replace("_", "-")
+        raise CaseError(f"verify {case}: --{option}: must be {wanted}, got '{text}'.") from None
+
+
+def run_case(name: str, options: Mapping[str, str] | None = None) -> VerifyResult:
+    """Run a case with ``options`` as they stand on the command line, without the dashes.
+
+    ``CaseError`` for an unknown case, an option that it does not take, or a value of another kind.
+    """
+    function, known = case_function(name), case_options(name)
+    values: dict[str, Any] = {}
+    for option, text in (options or {}).items():
+        key = option.replace("-", "_")
+        if key not in known:
+            listed = ", ".join(f"--{known_key.replace('_', '-')}" for known_key in known)
+            raise CaseError(f"verify {name}: unknown option --{option}. It takes {listed}.")
+        values[key] = _converted(name, known[key], text)
+    return function(**values)
