@@ -1,0 +1,92 @@
+"""The linear system of one iteration: a constant sparse matrix plus a low-rank added mass."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as sl
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+
+from cloth.arrays import Array, Bools, Ints
+from cloth.factors import low_rank_step, substitute, substitute_blocked
+
+
+def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) -> sp.csc_matrix:
+    """sum_t weight_t g_t g_t^T (n, n) [N/m], ``weight`` (m,) [N m]: the rest-metric Laplacian."""
+    blocks = weight[:, None, None] * np.einsum("tie,tje->tij", gradients, gradients)
+    rows = np.repeat(triangles[:, :, None], 3, axis=2)
+    columns = np.repeat(triangles[:, None, :], 3, axis=1)
+    return sp.csc_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
+
+
+class System:
+    """A = S (x) I_3 + B^T B on the free nodes; fixed nodes hold their position.
+
+    S (n, n) [N/m] is symmetric positive definite and the same for x, y and z.
+    """
+
+    def __init__(self, matrix: sp.csc_matrix, free: Bools) -> None:
+        self._free = np.flatnonzero(free)
+        self.count = len(free)
+        inner = sp.csc_matrix(matrix[self._free][:, self._free])
+        factor = spl.splu(
+            inner,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        assert np.array_equal(factor.perm_r, factor.perm_c), "S lost its symmetric ordering"
+        self._order = self._free[np.argsort(factor.perm_c)]
+        lower = sp.csc_matrix(sp.tril(factor.L, -1, format="csc"))
+        lower.sort_indices()
+        self._starts = lower.indptr.astype(np.int64)
+        self._rows = lower.indices.astype(np.int64)
+        self._values = np.ascontiguousarray(lower.data)
+        self._pivots = np.ascontiguousarray(factor.U.diagonal())
+        self._boundary = sp.csr_matrix(matrix[self._free][:, np.flatnonzero(~free)])
+        self._directions: Array | None = None
+
+    @property
+    def fill(self) -> int:
+        """Entries of L below its diagonal."""
+        return len(self._values)
+
+    def lift(self, positions: Array, fixed: Bools) -> Array:
+        """What fixed nodes at ``positions`` (n, 3) add to the right-hand side (n, 3) [N]."""
+        result = np.zeros_like(positions)
+        result[self._free] = -(self._boundary @ positions[fixed])
+        return result
+
+    def add_mass(self, rows: Array | None) -> None:
+        """Take in B = ``rows`` (r, n, 3) [sqrt(N/m)], or drop what was taken in.
+
+        Woodbury with C = 1 + B S^-1 B^T = K K^T and Z = K^-1 B S^-1: A^-1 = S^-1 - Z^T Z.
+        """
+        if rows is None or len(rows) == 0:
+            self._directions = None
+            return
+        rank = len(rows)
+        inner = rows[:, self._order, :]
+        right = np.ascontiguousarray(inner.transpose(1, 0, 2)).reshape(len(self._order), 3 * rank)
+        solved = substitute_blocked(self._starts, self._rows, self._values, self._pivots, right)
+        y = solved.reshape(-1, rank, 3).transpose(1, 0, 2).reshape(rank, -1)
+        core = np.eye(rank) + inner.reshape(rank, -1) @ y.T
+        self._directions = sl.solve_triangular(
+            sl.cholesky(core, lower=True, check_finite=False), y, lower=True, check_finite=False
+        )
+
+    def solve_pair(self, first: Array, second: Array) -> tuple[Array, Array]:
+        """A^-1 first and A^-1 second, both (n, 3); zero on the fixed nodes."""
+        work = np.concatenate([first[self._order], second[self._order]], axis=1)
+        a = np.ascontiguousarray(work[:, :3]).ravel()
+        b = np.ascontiguousarray(work[:, 3:]).ravel()
+        substitute(self._starts, self._rows, self._values, self._pivots, work)
+        p = np.ascontiguousarray(work[:, :3]).ravel()
+        q = np.ascontiguousarray(work[:, 3:]).ravel()
+        if self._directions is not None:
+            low_rank_step(self._directions, a, b, p, q)
+        x = np.zeros((self.count, 3))
+        y = np.zeros((self.count, 3))
+        x[self._order] = p.reshape(-1, 3)
+        y[self._order] = q.reshape(-1, 3)
+        return x, y

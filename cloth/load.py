@@ -1,0 +1,64 @@
+"""What the diaphragm needs to know of the liquid, and its choice of solver settings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from cloth.arrays import Array
+
+
+class Load(Protocol):
+    """The liquid's pressure p = datum + density * body_force . x, towards the gas.
+
+    ``density`` [kg/m^3]; ``body_force`` (3,) [m/s^2]; with ``volume`` [m^3] the datum is that
+    volume's multiplier, otherwise ``datum`` [Pa] is given.
+    """
+
+    @property
+    def density(self) -> float: ...
+    @property
+    def body_force(self) -> Array: ...
+    @property
+    def volume(self) -> float | None: ...
+    @property
+    def datum(self) -> float | None: ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Inner iteration of a step.
+
+    ``penalty`` k [N/m] of the strain limit; ``relaxation`` r [-], 1 to 1.8; ``contact_weight``
+    [-], the shell's penalty over m/b^2; ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on
+    the tangential velocity alone, per cloth mass; ``iterations`` always done and at most done
+    when a strain is above the limit.
+    """
+
+    penalty: float
+    relaxation: float
+    contact_weight: float
+    bending_damping: float
+    drag: float
+    iterations: int
+    iterations_max: int
+
+
+DRY = Settings(
+    penalty=2000.0,
+    relaxation=1.7,
+    contact_weight=2.0,
+    bending_damping=0.01,
+    drag=5.0,
+    iterations=20,
+    iterations_max=120,
+)
+WET = Settings(
+    penalty=6e4,
+    relaxation=1.0,
+    contact_weight=20.0,
+    bending_damping=0.05,
+    drag=100.0,
+    iterations=20,
+    iterations_max=120,
+)

@@ -1,0 +1,131 @@
+"""Triangle meshes of the moulded diaphragm, and what is measured on them once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cloth.arrays import Array, Bools, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """A triangulated sheet in its moulded shape.
+
+    ``points`` (n, 3) [m]; ``triangles`` (m, 3), counter-clockwise seen from the gas; ``fixed``
+    (n,) clamped nodes; ``rim_distance`` (n,) [m] along the moulded shape to the rim.
+    """
+
+    points: Array
+    triangles: Ints
+    fixed: Bools
+    rim_distance: Array
+
+
+def _strip(inner: Array, outer: Array, i0: int, o0: int) -> list[tuple[int, int, int]]:
+    """Triangles between two rings given by their angles [rad], first nodes ``i0`` and ``o0``.
+
+    Walks both rings once round and always advances where the new edge turns less, so that every
+    edge of either ring is used once whatever the two counts are.
+    """
+    n, m = len(inner), len(outer)
+    turn = 2.0 * np.pi
+    a, b = 0, 0
+    triangles: list[tuple[int, int, int]] = []
+    while a < n or b < m:
+        next_a = inner[(a + 1) % n] + turn * ((a + 1) // n)
+        next_b = outer[(b + 1) % m] + turn * ((b + 1) // m)
+        here_a = inner[a % n] + turn * (a // n)
+        here_b = outer[b % m] + turn * (b // m)
+        advance_outer = a >= n or (b < m and abs(next_b - here_a) <= abs(next_a - here_b))
+        if advance_outer:
+            triangles.append((i0 + a % n, o0 + b % m, o0 + (b + 1) % m))
+            b += 1
+        else:
+            triangles.append((i0 + a % n, o0 + b % m, i0 + (a + 1) % n))
+            a += 1
+    return triangles
+
+
+def hemisphere(radius: float, rings: int, *, density: float = 1.0) -> Mesh:
+    """The hemisphere z >= 0 of ``radius`` [m], its rim exactly on z = 0.
+
+    A node at the pole and ``rings`` rings at equal steps of the polar angle, ring k with
+    round(density 2 pi sin(theta_k) cos(30 deg) / dtheta) nodes (at least six), every second ring
+    turned by half a spacing. ``density`` 1 makes the triangles near equilateral: 726 nodes at 18
+    rings, 1280 at 24. A lower one stretches them along the rings (0.54: about 700 nodes at 24).
+    """
+    if rings < 2:
+        raise ValueError(f"cloth.resolution: needs at least 2 rings, got {rings}.")
+    step = 0.5 * np.pi / rings
+    points = [np.array([[0.0, 0.0, radius]])]
+    angles: list[Array] = []
+    triangles: list[tuple[int, int, int]] = []
+    start = 1
+    for k in range(1, rings + 1):
+        polar = k * step
+        around = density * 2.0 * np.pi * np.sin(polar) * np.cos(np.pi / 6.0) / step
+        count = max(6, round(float(around)))
+        angle = 2.0 * np.pi * (np.arange(count) + 0.5 * (k % 2)) / count
+        z = 0.0 if k == rings else radius * np.cos(polar)
+        r = radius if k == rings else radius * np.sin(polar)
+        ring = np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(count, z)])
+        if k == 1:
+            triangles += [(0, 1 + i, 1 + (i + 1) % count) for i in range(count)]
+        else:
+            triangles += _strip(angles[-1], angle, start - len(angles[-1]), start)
+        points.append(ring)
+        angles.append(angle)
+        start += count
+    positions = np.concatenate(points)
+    fixed = np.arange(start) >= start - len(angles[-1])
+    height = np.clip(positions[:, 2] / radius, -1.0, 1.0)
+    return Mesh(
+        points=positions,
+        triangles=np.array(triangles, dtype=np.int64),
+        fixed=fixed,
+        rim_distance=np.asarray(radius * np.arcsin(height)),
+    )
+
+
+def rest_gradients(points: Array, triangles: Ints) -> tuple[Array, Array]:
+    """Gradients (m, 3, 2) [1/m] and areas (m,) [m^2] of the moulded triangles.
+
+    With g the gradients, F = sum_i x_i g_i^T (3 x 2) maps a triangle's moulded plane to space; its
+    singular values are the principal stretches.
+    """
+    e1 = points[triangles[:, 1]] - points[triangles[:, 0]]
+    e2 = points[triangles[:, 2]] - points[triangles[:, 0]]
+    length = np.linalg.norm(e1, axis=1)
+    along = np.einsum("ij,ij->i", e1, e2) / length
+    across = np.linalg.norm(np.cross(e1, e2), axis=1) / length
+    g1 = np.stack([1.0 / length, -along / (length * across)], axis=1)
+    g2 = np.stack([np.zeros_like(length), 1.0 / across], axis=1)
+    return np.stack([-g1 - g2, g1, g2], axis=1), 0.5 * length * across
+
+
+def node_areas(mesh: Mesh) -> Array:
+    """A third of every adjoining triangle's moulded area, (n,) [m^2]."""
+    _, areas = rest_gradients(mesh.points, mesh.triangles)
+    result = np.zeros(len(mesh.points))
+    np.add.at(result, mesh.triangles.ravel(), np.repeat(areas / 3.0, 3))
+    return result
+
+
+def interior_edges(triangles: Ints) -> Ints:
+    """Edges shared by two triangles, (e, 4): start, end, and the two nodes opposite.
+
+    The first opposite node's triangle runs start -> end, so that with outward triangles the
+    normal of (start, end, first) points outward too. Manifoldness is not checked.
+    """
+    found: dict[tuple[int, int], int] = {}
+    rows: list[tuple[int, int, int, int]] = []
+    for a, b, c in triangles.tolist():
+        for i, j, k in ((a, b, c), (b, c, a), (c, a, b)):
+            other = found.get((j, i))
+            if other is None:
+                found[(i, j)] = k
+            else:
+                rows.append((j, i, other, k))
+    return np.array(rows, dtype=np.int64)

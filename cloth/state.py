@@ -1,0 +1,89 @@
+"""What the diaphragm remembers between steps, to and from named arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from cloth.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClothState:
+    """Where the diaphragm stands after a step (arrays are copies).
+
+    ``position``, ``velocity`` (n, 3) [m, m/s]; ``datum_pressure`` [Pa]; ``volume`` of the liquid
+    [m^3]; ``strain`` (m,), the largest principal tensile strain of every triangle;
+    ``change``: the last inner iteration's rms displacement [m], the solver's own error.
+    """
+
+    position: Array
+    velocity: Array
+    datum_pressure: float
+    volume: float
+    strain: Array
+    change: float
+
+
+@dataclass(kw_only=True)
+class Memory:
+    """Everything the next step starts from.
+
+    ``position``, ``velocity`` and their ``previous_`` values (n, 3); ``previous_dt`` [s], 0 when
+    there is no previous step; ``tension`` (m, 3, 2) [N/m], the strain limit's dual in physical
+    units; ``contact_force`` (n, 3) [N], the shell's; ``datum`` [Pa]; ``volume`` [m^3];
+    ``strain`` (m,); ``change`` [m]. Scalars are arrays of shape (1,).
+    """
+
+    position: Array
+    velocity: Array
+    previous_position: Array
+    previous_velocity: Array
+    previous_dt: Array
+    tension: Array
+    contact_force: Array
+    datum: Array
+    volume: Array
+    strain: Array
+    change: Array
+
+    @classmethod
+    def at_rest(cls, position: Array, triangles: int, volume: float) -> Memory:
+        """At rest at ``position`` (n, 3) [m], without tension, contact or history."""
+        still = np.zeros_like(position)
+        return cls(
+            position=position.copy(),
+            velocity=still,
+            previous_position=position.copy(),
+            previous_velocity=still,
+            previous_dt=np.zeros(1),
+            tension=np.zeros((triangles, 3, 2)),
+            contact_force=still,
+            datum=np.zeros(1),
+            volume=np.array([volume]),
+            strain=np.zeros(triangles),
+            change=np.zeros(1),
+        )
+
+    def save(self) -> dict[str, Array]:
+        """Copies of all arrays, by name."""
+        return {f.name: np.array(getattr(self, f.name)) for f in fields(self)}
+
+    @classmethod
+    def restored(cls, saved: Mapping[str, Array], like: Memory) -> Memory:
+        """The reverse of ``save``; names and shapes must be those of ``like``."""
+        values: dict[str, Array] = {}
+        for f in fields(cls):
+            if f.name not in saved:
+                raise ValueError(f"cloth checkpoint: {f.name} is missing. Was it saved by a cloth?")
+            value = np.array(saved[f.name], dtype=np.float64)
+            shape = getattr(like, f.name).shape
+            if value.shape != shape:
+                raise ValueError(
+                    f"cloth checkpoint: {f.name} has shape {value.shape}, this mesh needs {shape}. "
+                    "Restart with the resolution of the run that wrote it."
+                )
+            values[f.name] = value
+        return cls(**values)

@@ -1,0 +1,202 @@
+"""The diaphragm: one implicit step, able to be repeated from the same start."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from cloth.arrays import Array
+from cloth.contact import shell_limits
+from cloth.inertia import Kinematics, kinematics
+from cloth.iteration import Solution, StepProblem, constant_force, iterate
+from cloth.linear import System
+from cloth.load import DRY, WET, Load, Settings
+from cloth.material import Diaphragm
+from cloth.mesh import Mesh
+from cloth.model import ClothModel
+from cloth.state import ClothState, Memory
+
+
+class Cloth:
+    """An inextensible (or elastic) sheet clamped at the rim of a rigid spherical shell.
+
+    min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t I(sigma_max <= 1) + bending + sum I(|x| <= R)
+    minus the work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2.
+    ``reference`` (n, 3) [m], ``triangles`` (m, 3), ``fixed`` (n,) are the mesh's; ``mass`` (n,)
+    [kg]. Self-contact is not modelled.
+    """
+
+    def __init__(
+        self,
+        *,
+        mesh: Mesh,
+        diaphragm: Diaphragm,
+        shell_radius: float,
+        strain_limit: float = 0.01,
+        compressive_stiffness: float = 10.0,
+        elastic: bool = False,
+        clearance: float = 0.0,
+        dry: Settings = DRY,
+        wet: Settings = WET,
+        held: bool = False,
+    ) -> None:
+        """Moulded and at rest.
+
+        ``shell_radius``, ``clearance`` [m] (see ``shell_limits``); ``strain_limit`` [-] above
+        which iterations are added; ``elastic``: E t resists tension instead of inextensibility;
+        ``compressive_stiffness`` [N/m] keeps slack triangles in shape: 10 N/m at 10 % of
+        compression and a radius of 0.44 m is 2.3 Pa, 0.2 mm of water. ``dry`` and ``wet``:
+        settings without and with added mass. ``held``: no node ever moves.
+        """
+        self.reference, self.triangles, self.fixed = mesh.points, mesh.triangles, mesh.fixed
+        self.held, self.strain_limit = held, strain_limit
+        self.model = ClothModel(
+            mesh=mesh,
+            diaphragm=diaphragm,
+            shell_radius=shell_radius,
+            clearance=clearance,
+            elastic=elastic,
+            compressive=compressive_stiffness,
+        )
+        self.mass = self.model.mass
+        self._dry, self._wet = dry, wet
+        self._memory = Memory.at_rest(
+            mesh.points, len(mesh.triangles), self.model.volume(mesh.points)
+        )
+        self._systems: dict[tuple[float, bool], System] = {}
+        self._dt = 0.0
+        self._kin: Kinematics | None = None
+        self._problem: StepProblem | None = None
+        self._count: int | None = None
+        self._solution: Solution | None = None
+
+    def begin_step(self, dt: float, load: Load, added_mass: Array | None = None) -> None:
+        """Start a step of ``dt`` [s] from the committed state.
+
+        ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
+        """
+        if (load.volume is None) == (load.datum is None):
+            raise ValueError("cloth load: give either the volume or the datum, not both.")
+        m = self._memory
+        self._dt, self._solution, self._count = dt, None, None
+        self._kin = kin = kinematics(
+            dt, float(m.previous_dt[0]), m.position, m.velocity,
+            m.previous_position, m.previous_velocity,
+        )  # fmt: skip
+        if self.held:
+            return
+        rows = None
+        if added_mass is not None and len(added_mass) > 0:
+            rows = np.where(self.model.free[None, :, None], added_mass / kin.b, 0.0)
+        settings = self._dry if rows is None else self._wet
+        system = self._factorised(settings, kin.b, rows is not None)
+        system.add_mass(rows)
+        self._problem = StepProblem(
+            model=self.model,
+            settings=settings,
+            system=system,
+            kin=kin,
+            load=load,
+            start=m.position + dt * m.velocity,
+            tension=m.tension,
+            contact_force=m.contact_force,
+            constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
+            limit=shell_limits(
+                self.model.mesh, m.position, self.model.shell_radius, self.model.clearance
+            ),
+            strain_limit=self.strain_limit,
+        )
+
+    def _factorised(self, settings: Settings, b: float, wet: bool) -> System:
+        """The matrix for this b; the last few are kept, so that a first Euler step costs little."""
+        key = (b, wet)
+        if key not in self._systems:
+            if len(self._systems) >= 4:
+                self._systems.pop(next(iter(self._systems)))
+            self._systems[key] = self.model.system(settings, b)
+        return self._systems[key]
+
+    def _begun(self) -> Kinematics:
+        if self._kin is None:
+            raise RuntimeError("cloth: begin_step comes first.")
+        return self._kin
+
+    def inertial_prediction(self) -> Array:
+        """x~ (n, 3) [m] of this step: its acceleration at x is (x - x~) / acceleration_scale."""
+        return self._begun().prediction
+
+    @property
+    def acceleration_scale(self) -> float:
+        """b^2 [s^2] of this step's implicit formula (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""
+        return self._begun().b ** 2
+
+    @property
+    def iterations(self) -> int:
+        """Inner iterations of the last solve of this step, 0 before the first."""
+        return 0 if self._solution is None else self._solution.iterations
+
+    def solve(self, force: Array) -> Array:
+        """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
+
+        The first solve of a step decides the number of iterations and the following ones keep it,
+        so that the answer is a continuous function of ``force``. The committed state stays.
+        """
+        self._begun()
+        if self.held:
+            return self._memory.position.copy()
+        assert self._problem is not None
+        self._solution = iterate(self._problem, force, self._count)
+        self._count = self._solution.iterations
+        return self._solution.position.copy()
+
+    def accept_step(self) -> None:
+        """Commit the last solve."""
+        kin, m, s = self._begun(), self._memory, self._solution
+        if self.held:
+            return
+        if s is None:
+            raise RuntimeError("cloth: accept_step needs a solve first.")
+        self._memory = Memory(
+            position=s.position,
+            velocity=kin.velocity(s.position),
+            previous_position=m.position,
+            previous_velocity=m.velocity,
+            previous_dt=np.array([self._dt]),
+            tension=s.tension,
+            contact_force=s.contact_force,
+            datum=np.array([s.datum]),
+            volume=np.array([s.volume]),
+            strain=s.strain,
+            change=np.array([s.change]),
+        )
+        self._kin = None
+
+    def halt(self) -> None:
+        """Bring the committed state to rest where it is: no velocity, no history."""
+        m = self._memory
+        still = np.zeros_like(m.velocity)
+        m.velocity, m.previous_velocity = still, still
+        m.previous_position, m.previous_dt = m.position, np.zeros(1)
+
+    @property
+    def state(self) -> ClothState:
+        """The committed state."""
+        m = self._memory
+        return ClothState(
+            position=m.position.copy(),
+            velocity=m.velocity.copy(),
+            datum_pressure=float(m.datum[0]),
+            volume=float(m.volume[0]),
+            strain=m.strain.copy(),
+            change=float(m.change[0]),
+        )
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs to go on bit for bit."""
+        return self._memory.save()
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``; raises ValueError when names or shapes differ."""
+        self._memory = Memory.restored(saved, self._memory)
+        self._kin = None
