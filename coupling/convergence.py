@@ -1,0 +1,35 @@
+"""When a coupled step counts as converged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupling.ports import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convergence:
+    """rms(residual) <= tolerance * (rms(increment) + floor).
+
+    ``floor`` [m] keeps the test meaningful for a step that hardly moves, as the first one from
+    rest: with the distance |g| dt^2, an error of tolerance * floor in the displacement changes the
+    liquid's pressure by tolerance times its hydrostatic part.
+    """
+
+    tolerance: float
+    floor: float
+
+    def relative(self, residual: Array, increment: Array) -> float:
+        """Residual over what it is measured by; converged at or below ``tolerance``.
+
+        ``residual``: interface displacement (p, 3) [m] a further iteration would add;
+        ``increment``: that of the whole step.
+        """
+        return rms(residual) / (rms(increment) + self.floor)
+
+
+def rms(vectors: Array) -> float:
+    """Root mean square length of ``vectors`` (p, 3)."""
+    return float(np.sqrt(np.mean(np.sum(vectors**2, axis=-1))))

@@ -1,0 +1,1 @@
+"""The fluid ladder: what the liquid's pressure on the diaphragm is taken to be."""

@@ -1,0 +1,231 @@
+"""Incompressible Navier-Stokes in the moving tank, by OpenFOAM's pimpleFoam.
+
+The flow is solved in the tank's frame without body force: the body force is a gradient, so that
+the pressure found is p*, what hydrostatics leaves out. Every coupling iteration restarts the
+stock solver from the committed fields; its points are all imposed.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from coupling.foam.added_mass import added_mass_rows, wall_distance
+from coupling.foam.case import Case
+from coupling.foam.geometry import (
+    CellGeometry,
+    cell_geometry,
+    fan_volume,
+    non_orthogonality,
+    swept_volumes,
+)
+from coupling.foam.mesh import LiquidMesh, ball, divisions
+from coupling.foam.process import OpenFoam
+from coupling.interface import pressure_force, swept_gradient
+from coupling.ports import Array, FlowSample, Ints, RunFailed
+
+CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
+
+
+class OpenFoamFlow:
+    """The liquid below ``patch``, the diaphragm's points at the start (see ``reference_patch``).
+
+    ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``radius`` [m] of the shell. ``cells`` is an upper
+    bound. The flow starts at rest. With ``resumed`` nothing is written before ``restore``.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        openfoam: OpenFoam,
+        cells: int,
+        radius: float,
+        density: float,
+        viscosity: float,
+        timeout: float,
+    ) -> None:
+        self.mesh: LiquidMesh = ball(*divisions(cells))
+        self.case = Case(folder, self.mesh, openfoam=openfoam, timeout=timeout)
+        self.radius, self.density, self.viscosity = radius, density, viscosity
+        self.faces: Ints = self.mesh.patch_faces
+        self.points: Array = self.reference_patch
+        self._kept: set[float] = {0.0}
+
+    @property
+    def reference_patch(self) -> Array:
+        """The patch's points (p, 3) [m] in the moulded shape."""
+        return self.radius * self.mesh.points[self.mesh.patch_points]
+
+    def start(self, patch: Array) -> None:
+        """Write the case for a liquid at rest below ``patch`` (p, 3) [m], its rim on the shell."""
+        self.time, self.steps = 0.0, 0
+        self.points = self._initial = patch
+        points = self.mesh.place(self.radius, self.points)
+        geometry = self._checked_geometry(points, "t = 0 s")
+        self.volume = float(geometry.volume.sum())
+        self._all_points = points
+        self._fan = fan_volume(points[self._boundary])
+        count = len(self.faces)
+        self._swept = np.zeros(count)
+        self._flux = np.zeros((2, count))  # boundary flux [m^3/s] at the last step, the one before
+        self._geometry = geometry
+        self.case.create(points, viscosity=self.viscosity, radius=self.radius)
+
+    def begin_step(self, time: float, dt: float) -> None:
+        """Start a step of ``dt`` [s] from the committed fields at ``time`` [s]."""
+        self.time, self.dt = time, dt
+
+    def close_volume(self, points: Array) -> Array:
+        """``points`` (p, 3) shifted along their normals until the volume is the start's."""
+        for _ in range(30):
+            excess = self._excess(points)
+            if abs(excess) <= 2e-16 * self.volume:
+                break
+            normal = np.zeros_like(points)
+            np.add.at(normal, self.faces, swept_gradient(points[self.faces]))
+            normal[self.mesh.rim] = 0.0
+            # A shift of equal height everywhere, so that it does not favour large faces.
+            height = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+            points = points - height * excess / float((normal * height).sum())
+        return points
+
+    @property
+    def _boundary(self) -> Ints:
+        return self.mesh.faces[self.mesh.inner_faces :]
+
+    def _excess(self, patch: Array) -> float:
+        """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
+        points = self.radius * self.mesh.points
+        points[self.mesh.patch_points] = patch
+        return fan_volume(points[self._boundary]) - self._fan
+
+    def solve(self, points: Array) -> Array:
+        """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
+        moment = f"t = {self.time + self.dt:.6g} s"
+        all_points = self.mesh.place(self.radius, points)
+        swept = swept_volumes(self._all_points[self._boundary], all_points[self._boundary])
+        self._swept_now = swept[: self.mesh.diaphragm_faces]
+        missed = abs(swept.sum()) / self.volume
+        if missed > CLOSURE:
+            raise RunFailed(
+                f"{moment}: the interface changes the liquid's volume by {missed:.1e} of it; "
+                "OpenFOAM would answer with a pressure that means nothing. Halve time.step."
+            )
+        self._now = self._checked_geometry(all_points, moment)
+        self._patch_now, self._all_now = points, all_points
+        self._pressure, self._velocity = self.case.advance(
+            self.time, self.time + self.dt, all_points
+        )
+        self._pressure = self.density * self._pressure
+        wall = self._wall_pressure()
+        area = np.linalg.norm(self._now.face_area[self.mesh.diaphragm], axis=1)
+        self._level = float(wall @ area / area.sum())
+        self._face_pressure = wall - self._level
+        return self._face_pressure
+
+    def _wall_pressure(self) -> Array:
+        """The cells' p* carried over the half cell to the wall: p - rho d a_n."""
+        if self.steps == 0:
+            self._flux_now = self._swept_now / self.dt
+            rate = (self._flux_now - self._flux[0]) / self.dt
+        else:
+            self._flux_now = (1.5 * self._swept_now - 0.5 * self._swept) / self.dt
+            rate = (1.5 * self._flux_now - 2 * self._flux[0] + 0.5 * self._flux[1]) / self.dt
+        patch = self.mesh.diaphragm
+        area = np.linalg.norm(self._now.face_area[patch], axis=1)
+        distance = wall_distance(self.mesh, self._now)
+        return np.asarray(
+            self._pressure[self.mesh.owner[patch]] - self.density * distance * rate / area
+        )
+
+    def added_mass(self) -> Array:
+        """Rows (r, p, 3) [kg^(1/2)] of the liquid's added mass at the committed shape."""
+        return added_mass_rows(self.mesh, self._geometry, self.points, self.density)
+
+    def accept_step(self) -> FlowSample:
+        """Commit the last solve."""
+        self._swept = self._swept_now
+        self._flux = np.stack([self._flux_now, self._flux[0]])
+        if self.time not in self._kept:
+            self.case.remove(self.time)
+        self.steps += 1
+        self.time = round(self.time + self.dt, 11)
+        self.points, self._all_points = self._patch_now, self._all_now
+        self._geometry = self._now
+        return self._sample()
+
+    def _sample(self) -> FlowSample:
+        mesh, geometry = self.mesh, self._geometry
+        boundary = slice(mesh.inner_faces, None)
+        pressure = self._pressure[mesh.owner[boundary]] - self._level
+        pressure[: mesh.diaphragm_faces] = self._face_pressure
+        force = pressure[:, None] * geometry.face_area[boundary]
+        speed = np.linalg.norm(self._velocity, axis=1)
+        wall_speed = speed[mesh.owner[mesh.diaphragm]]
+        rate = self._face_pressure / self.density + 0.5 * wall_speed**2
+        volume = float(geometry.volume.sum())
+        return FlowSample(
+            face_pressure=self._face_pressure,
+            wall_pressure_force=force.sum(axis=0),
+            wall_pressure_moment=np.cross(geometry.face_centre[boundary], force).sum(axis=0),
+            speed_max=float(speed.max()),
+            dphi_dt_max=float(np.abs(rate).max()),
+            volume=volume,
+            volume_error=abs(self._excess(self.points)) / self.volume,
+            liquid_cg=geometry.volume @ geometry.centre / volume,
+            non_orthogonality_max=float(non_orthogonality(mesh, geometry).max()),
+        )
+
+    def interface_force(self, points: Array, pressure: Array) -> Array:
+        """Forces (p, 3) [N] on the interface's ``points`` of face pressures (F,) [Pa]."""
+        return pressure_force(points, self.faces, pressure)
+
+    def _checked_geometry(self, points: Array, moment: str) -> CellGeometry:
+        geometry = cell_geometry(self.mesh, points)
+        if not geometry.volume.min() > 0:
+            cell = int(np.argmin(geometry.volume))
+            place = ", ".join(f"{x:.3f}" for x in geometry.centre[cell])
+            raise RunFailed(
+                f"{moment}: the flow's mesh folds over: cell {cell} near ({place}) m has the "
+                f"volume {geometry.volume[cell]:.1e} m^3. Lower motion.amplitude, raise "
+                "openfoam.clearance, or take model.fluid = 'hydrostatic'."
+            )
+        return geometry
+
+    def save(self) -> dict[str, Array]:
+        """The committed state with OpenFOAM's own files at this time, as bytes."""
+        self._kept.add(self.time)
+        folder = self.case.time_folder(self.time)
+        saved: dict[str, Array] = {
+            "time": np.array([self.time, self.steps]),
+            "initial": self._initial,
+            "points": self.points,
+            "swept": self._swept,
+            "flux": self._flux,
+        }
+        for path in sorted(folder.rglob("*")):
+            if path.is_file():
+                name = "file:" + path.relative_to(folder).as_posix()
+                saved[name] = np.frombuffer(path.read_bytes(), np.uint8)  # type: ignore[assignment]
+        return saved
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``: the case is written anew, later times are gone."""
+        self.start(saved["initial"])
+        self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
+        self.points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
+        self._all_points = self.mesh.place(self.radius, self.points)
+        self._geometry = cell_geometry(self.mesh, self._all_points)
+        self._kept = {0.0, self.time}
+        folder = self.case.time_folder(self.time)
+        if self.time > 0:
+            shutil.rmtree(folder, ignore_errors=True)
+        for name, data in saved.items():
+            if name.startswith("file:"):
+                path = folder / name.removeprefix("file:")
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(np.asarray(data).astype(np.uint8).tobytes())

@@ -1,0 +1,1 @@
+"""The only place that knows OpenFOAM: case, mesh, fields and process."""

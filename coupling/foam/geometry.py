@@ -1,0 +1,130 @@
+"""Volumes, areas and swept volumes as OpenFOAM itself computes them (v1912).
+
+Sources: ``primitiveMeshFaceCentresAndAreas.C``, ``primitiveMeshCellCentresAndVols.C``,
+``face.C`` (``sweptVol``, ``centre``), ``triangleI.H`` (``sweptVol``) of OpenFOAM v1912.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupling.foam.mesh import LiquidMesh
+from coupling.interface import cross
+from coupling.ports import Array, Ints
+
+_VSMALL = 1e-300
+
+
+def face_centres_and_areas(corner: Array) -> tuple[Array, Array]:
+    """Centres (F, 3) [m] and area vectors (F, 3) [m^2] of quadrilaterals ``corner`` (F, 4, 3).
+
+    The centre weighs the triangles of a fan about the mean of the corners by the parts of their
+    areas along the face's normal. Exact for the fan.
+    """
+    middle = corner.mean(axis=1, keepdims=True)
+    following = np.roll(corner, -1, axis=1)
+    triple = corner + following + middle
+    normal = cross(following - corner, middle - corner)
+    total = normal.sum(axis=1)
+    unit = total / (np.linalg.norm(total, axis=1, keepdims=True) + _VSMALL)
+    part = np.einsum("fkx,fx->fk", normal, unit)
+    centre = np.einsum("fk,fkx->fx", part, triple) / (3 * part.sum(axis=1)[:, None] + _VSMALL)
+    return centre, 0.5 * total
+
+
+def _swept_centres(corner: Array) -> Array:
+    """``face::centre`` (F, 3): fan triangles weighed by the magnitude of their areas."""
+    middle = corner.mean(axis=1, keepdims=True)
+    following = np.roll(corner, -1, axis=1)
+    weight = np.linalg.norm(cross(corner - middle, following - middle), axis=2)
+    triple = corner + following + middle
+    return np.asarray(
+        np.einsum("fk,fkx->fx", weight, triple) / (3 * weight.sum(axis=1)[:, None] + _VSMALL)
+    )
+
+
+def swept_volumes(old: Array, new: Array) -> Array:
+    """Volume (F,) [m^3] that every quadrilateral sweeps from ``old`` to ``new`` (F, 4, 3).
+
+    Positive along the normal; ``face::sweptVol``. Exact to rounding for any motion of the fan's
+    triangles along straight lines, the two diagonals of the sides averaged.
+    """
+    centre_old, centre_new = _swept_centres(old)[:, None], _swept_centres(new)[:, None]
+    a, b = old, np.roll(old, -1, axis=1)
+    ta, tb = new, np.roll(new, -1, axis=1)
+    c = np.broadcast_to(centre_old, a.shape)
+    tc = np.broadcast_to(centre_new, a.shape)
+
+    def volume(edge: Array, one: Array, two: Array) -> Array:
+        return np.asarray(np.einsum("fkx,fkx->fk", edge, cross(one, two)))
+
+    # Triangles run (centre, this corner, next corner), as in face.C.
+    p, q, r, tp, tq, tr = c, a, b, tc, ta, tb
+    total = (
+        2 * volume(tp - p, q - p, r - p)
+        + volume(tq - q, r - q, tp - q)
+        + volume(r - tr, tq - tr, tp - tr)
+        + volume(q - tq, tp - tq, tr - tq)
+        + volume(r - tr, q - tr, tp - tr)
+    )
+    return np.asarray(total.sum(axis=1) / 12.0)
+
+
+def fan_volume(corner: Array) -> float:
+    """Cone from the origin to the fans of quadrilaterals ``corner`` (F, 4, 3) [m^3].
+
+    Its change is the sum of ``swept_volumes`` to rounding where the surface's rim is at rest.
+    """
+    centre = _swept_centres(corner)[:, None]
+    following = np.roll(corner, -1, axis=1)
+    return float(np.einsum("fkx,fkx->", np.broadcast_to(centre, corner.shape),
+                           cross(corner, following)) / 6.0)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellGeometry:
+    """``volume`` (c,) [m^3], ``centre`` (c, 3), ``face_centre``, ``face_area`` (F, 3)."""
+
+    volume: Array
+    centre: Array
+    face_centre: Array
+    face_area: Array
+
+
+def cell_geometry(mesh: LiquidMesh, points: Array) -> CellGeometry:
+    """Cells of ``mesh`` at ``points`` (P, 3) [m], by OpenFOAM's pyramids about a mean centre."""
+    face_centre, area = face_centres_and_areas(points[mesh.faces])
+    estimate = _gather(mesh, face_centre, face_centre[: mesh.inner_faces]) / 6.0
+    volume, moment = np.zeros(mesh.cells), np.zeros((mesh.cells, 3))
+    for cell, faces, sign in _sides(mesh):
+        reach = face_centre[faces] - estimate[cell]
+        pyramid = sign * np.einsum("fx,fx->f", area[faces], reach) / 3.0
+        np.add.at(volume, cell, pyramid)
+        np.add.at(moment, cell, pyramid[:, None] * (0.75 * reach + estimate[cell]))
+    return CellGeometry(
+        volume=volume, centre=moment / volume[:, None], face_centre=face_centre, face_area=area
+    )
+
+
+def non_orthogonality(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
+    """Angle [deg] between every inner face's normal and the line between its cells' centres."""
+    inner = mesh.inner_faces
+    reach = geometry.centre[mesh.neighbour] - geometry.centre[mesh.owner[:inner]]
+    area = geometry.face_area[:inner]
+    cosine = np.einsum("fx,fx->f", reach, area)
+    cosine /= np.linalg.norm(reach, axis=1) * np.linalg.norm(area, axis=1)
+    return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def _sides(mesh: LiquidMesh) -> tuple[tuple[Ints, slice, float], tuple[Ints, slice, float]]:
+    """Faces as their owner sees them and as their neighbour does."""
+    return (mesh.owner, slice(None), 1.0), (mesh.neighbour, slice(mesh.inner_faces), -1.0)
+
+
+def _gather(mesh: LiquidMesh, owner_value: Array, neighbour_value: Array) -> Array:
+    total = np.zeros((mesh.cells, 3))
+    np.add.at(total, mesh.owner, owner_value)
+    np.add.at(total, mesh.neighbour, neighbour_value)
+    return total

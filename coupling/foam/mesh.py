@@ -1,0 +1,213 @@
+"""The liquid's hexahedral mesh: a cubed ball whose upper half is the diaphragm.
+
+The topology never changes: a cube of n^3 cells wrapped in m layers of 6 n^2. The upper half of its
+surface is the patch ``diaphragm``, the lower half the patch ``shell``, and they meet in the rim.
+Points are linear in the boundary's, so that the mesh depends on where the diaphragm is and never
+on how it came there: the layers shrink homothetically towards a centre that follows the diaphragm
+(valid while the liquid is star-shaped about it), the cube inside is their harmonic extension.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.linalg import SuperLU, splu
+
+from coupling.ports import Array, Ints
+
+# Corners of a hexahedron (OpenFOAM's order) and its faces, seen counter-clockwise from outside.
+_CORNERS = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+)
+_FACES = np.array(
+    [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
+)
+_EDGES = np.array(
+    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+)
+CUBE_SIZE = 0.4  # half the inner cube's edge over R, on its axes
+CUBE_BULGE = 0.5  # 0: a cube, 1: a sphere; between them the cells at its edges stay open
+CENTRE_FOLLOWS = 1.0  # the centre's displacement over the diaphragm's mean displacement
+LAYER_EXPONENT = 1.5  # a point at radius r R takes r^1.5 of the boundary's displacement
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiquidMesh:
+    """Topology in OpenFOAM's order, and the reference ball of radius 1.
+
+    ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
+    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``edges`` (E, 2); ``ray`` (P,): the boundary
+    point on the ray of a point in the layers, -1 inside the cube.
+    """
+
+    points: Array
+    faces: Ints
+    owner: Ints
+    neighbour: Ints
+    cells: int
+    diaphragm_faces: int
+    edges: Ints = field(repr=False)
+    ray: Ints = field(repr=False)
+
+    @property
+    def inner_faces(self) -> int:
+        """Number of faces between two cells."""
+        return len(self.neighbour)
+
+    @property
+    def diaphragm(self) -> slice:
+        """Faces of the patch ``diaphragm``."""
+        return slice(self.inner_faces, self.inner_faces + self.diaphragm_faces)
+
+    @property
+    def shell(self) -> slice:
+        """Faces of the patch ``shell``."""
+        return slice(self.inner_faces + self.diaphragm_faces, len(self.faces))
+
+    @cached_property
+    def patch_points(self) -> Ints:
+        """Points of the patch ``diaphragm``, rim included (p,)."""
+        return np.unique(self.faces[self.diaphragm])
+
+    @cached_property
+    def patch_faces(self) -> Ints:
+        """Faces of the patch in the numbering of ``patch_points`` (F, 4), seen from the gas."""
+        return np.searchsorted(self.patch_points, self.faces[self.diaphragm])
+
+    @cached_property
+    def rim(self) -> NDArray[np.bool_]:
+        """Which of ``patch_points`` lie on the rim (p,)."""
+        return np.isin(self.patch_points, np.unique(self.faces[self.shell]))
+
+    def place(self, radius: float, patch: Array) -> Array:
+        """All points (P, 3) [m] for the diaphragm's ``patch`` points (p, 3) [m].
+
+        The shell's points stay on the sphere. Cells are not checked: see ``cell_geometry``.
+        """
+        moved = np.zeros_like(self.points)
+        moved[self.patch_points] = patch - radius * self.points[self.patch_points]
+        centre = self._centre_weight @ moved[self.patch_points]
+        layers, cube, solver, coupling = self._extension
+        share = np.linalg.norm(self.points[layers], axis=1, keepdims=True) ** LAYER_EXPONENT
+        moved[layers] = share * moved[self.ray[layers]] + (1 - share) * centre
+        moved[cube] = solver.solve(-np.asarray(coupling @ moved[layers]))
+        return radius * self.points + moved
+
+    @cached_property
+    def _centre_weight(self) -> Array:
+        corner = self.points[self.patch_points][self.patch_faces]
+        area = np.linalg.norm(
+            np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1
+        )
+        weight = np.bincount(self.patch_faces.ravel(), np.repeat(area, 4))
+        return np.asarray(CENTRE_FOLLOWS * weight / weight.sum())
+
+    @cached_property
+    def _extension(self) -> tuple[Ints, Ints, SuperLU, csc_array]:
+        """Points of the layers and of the cube, and the cube's harmonic extension."""
+        layers, cube = np.flatnonzero(self.ray >= 0), np.flatnonzero(self.ray < 0)
+        rows, columns = np.r_[self.edges, self.edges[:, ::-1]].T
+        size = (len(self.points),) * 2
+        adjacency = coo_array((np.ones(len(rows)), (rows, columns)), shape=size)
+        diagonal = (np.arange(size[0]),) * 2
+        degree = coo_array((np.bincount(rows).astype(float), diagonal), shape=size)
+        block = csc_array(degree - adjacency)[cube]
+        return layers, cube, splu(csc_array(block[:, cube])), csc_array(block[:, layers])
+
+
+def divisions(cells: int) -> tuple[int, int]:
+    """The finest (n, m), n even and m = 0.8 n, with n^3 + 6 n^2 m <= ``cells``.
+
+    With 0.8 n layers the cells at the diaphragm are about as deep as wide.
+    """
+    n = 2
+    if _size(n) > cells:
+        raise ValueError(f"the coarsest mesh has {_size(2)} cells, got {cells}")
+    while _size(n + 2) <= cells:
+        n += 2
+    return n, round(0.8 * n)
+
+
+def _size(n: int) -> int:
+    return n**3 + 6 * n * n * round(0.8 * n)
+
+
+def ball(n: int, m: int) -> LiquidMesh:
+    """Cubed ball of radius 1 with n^3 cells in its cube and m layers round it (n even)."""
+    points, hexes, ray = _blocks(n, m)
+    flat = hexes[:, _FACES].reshape(-1, 4)
+    cell = np.repeat(np.arange(len(hexes)), 6)
+    _, group, count = np.unique(
+        np.sort(flat, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    order = np.lexsort((cell, group.ravel()))
+    twin = count[group.ravel()[order]] == 2
+    pairs = order[twin].reshape(-1, 2)  # the same face from both cells, the lower cell first
+    owner, neighbour = cell[pairs].T
+    sort = np.lexsort((neighbour, owner))
+    outer = np.sort(order[~twin])
+    above = points[flat[outer]].mean(axis=1)[:, 2] > 0
+    patches = (outer[above], outer[~above])
+    return LiquidMesh(
+        points=points,
+        faces=np.concatenate([flat[pairs[sort, 0]], *(flat[p] for p in patches)]),
+        owner=np.concatenate([owner[sort], *(cell[p] for p in patches)]),
+        neighbour=neighbour[sort],
+        cells=len(hexes),
+        diaphragm_faces=len(patches[0]),
+        edges=np.unique(np.sort(hexes[:, _EDGES].reshape(-1, 2), axis=1), axis=0),
+        ray=ray,
+    )
+
+
+def _blocks(n: int, m: int) -> tuple[Array, Ints, Ints]:
+    """Points (P, 3), hexahedra (c, 8) and rays (P,) of the seven blocks, shared points merged."""
+    s = np.linspace(-1.0, 1.0, n + 1)
+    grids = [_bulge(np.stack(np.meshgrid(s, s, s, indexing="ij"), axis=-1))]
+    layers = np.linspace(0.0, 1.0, m + 1)[:, None, None, None]
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            u, v = np.meshgrid(s, s, indexing="ij")
+            plane = np.empty((n + 1, n + 1, 3))
+            first, second = (axis + 1) % 3, (axis + 2) % 3
+            plane[..., axis] = side
+            plane[..., first] = u if side > 0 else v
+            plane[..., second] = v if side > 0 else u
+            spherical = np.tan(plane * np.pi / 4)  # equiangular: even cells over the sphere
+            spherical /= np.linalg.norm(spherical, axis=-1, keepdims=True)
+            block = (1 - layers) * _bulge(plane) + layers * spherical
+            grids.append(np.moveaxis(block, 0, 2))
+    return _merge(grids)
+
+
+def _bulge(cube: Array) -> Array:
+    """Cube [-1, 1]^3 swollen towards a sphere, scaled to CUBE_SIZE on its axes."""
+    largest = np.abs(cube).max(axis=-1, keepdims=True)
+    direction = np.tan(cube * np.pi / 4)
+    length = np.linalg.norm(direction, axis=-1, keepdims=True)
+    sphere = direction / np.where(length > 0, length, 1.0) * largest
+    return CUBE_SIZE * ((1 - CUBE_BULGE) * cube + CUBE_BULGE * sphere)
+
+
+def _merge(grids: list[Array]) -> tuple[Array, Ints, Ints]:
+    """Points shared between blocks made one; the first grid is the cube, others end outside."""
+    flat = np.concatenate([g.reshape(-1, 3) for g in grids])
+    rounded = np.round(flat, 9) + 0.0
+    _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    points, inverse = flat[first], inverse.ravel()
+    points[np.abs(points[:, 2]) < 1e-9, 2] = 0.0
+    hexes, start, ray = [], 0, np.full(len(points), -1)
+    for grid in grids:
+        shape = np.array(grid.shape[:3])
+        ids = inverse[start : start + shape.prod()].reshape(shape)
+        start += shape.prod()
+        cells = np.stack(np.meshgrid(*(np.arange(k) for k in shape - 1), indexing="ij"), -1)
+        corner = cells.reshape(-1, 1, 3) + _CORNERS
+        hexes.append(ids[corner[..., 0], corner[..., 1], corner[..., 2]])
+        if grid is not grids[0]:
+            ray[ids] = ids[:, :, -1:]
+    return points, np.concatenate(hexes), ray

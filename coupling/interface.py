@@ -1,0 +1,42 @@
+"""Geometry of the flow's patch on the diaphragm: swept volumes and the forces that belong to them.
+
+The force of a pressure is the transpose of the swept volume, so that p dV is its work exactly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coupling.ports import Array, Ints
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of (..., 3) arrays; several times faster than ``numpy.cross``."""
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        product[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return product
+
+
+def swept_gradient(corner: Array) -> Array:
+    """Swept volume per displacement of each corner, (F, 4, 3) [m^2], at rest in ``corner``.
+
+    The fan's apex is taken as the mean of the corners: exact for flat faces, O(warp) otherwise.
+    """
+    middle = corner.mean(axis=1, keepdims=True)
+    following = np.roll(corner, -1, axis=1)
+    area = 0.5 * cross(corner - middle, following - middle)  # (F, 4, 3) of each triangle
+    apex = area.sum(axis=1, keepdims=True) / 4.0
+    return np.asarray((area + np.roll(area, 1, axis=1) + apex) / 3.0)
+
+
+def pressure_force(points: Array, faces: Ints, pressure: Array) -> Array:
+    """Forces (p, 3) [N] on ``points`` (p, 3) [m] of face pressures ``pressure`` (F,) [Pa].
+
+    The transpose of the swept volumes' gradient: sum(force * displacement) = sum(p dV) to rounding.
+    """
+    share = swept_gradient(points[faces]) * pressure[:, None, None]
+    force = np.zeros_like(points)
+    np.add.at(force, faces, share)
+    return force
