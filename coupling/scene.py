@@ -32,6 +32,19 @@ from coupling.scene_sections import (
 )
 from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_file
 
+__all__ = [
+    "SCENE_FILE",
+    "TABLE_FILE",
+    "Scene",
+    "SceneError",
+    "load_scene",
+    "plain_values",
+    "scene_from",
+    "scene_toml",
+    "with_overrides",
+    "write_scene",
+]
+
 TABLE_FILE = "motion.csv"
 STEPS_PER_PERIOD = 20
 THICKNESS_OVER_RADIUS = 0.05

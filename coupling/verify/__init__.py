@@ -7,10 +7,11 @@ when they are asked for: listing them starts nothing and needs no OpenFOAM.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
+from coupling.ports import RunFailed
 from coupling.verify.case import Quantity, VerifyResult, quantity
 
 __all__ = [
@@ -20,7 +21,9 @@ __all__ = [
     "VerifyResult",
     "case_function",
     "case_options",
+    "option_pairs",
     "quantity",
+    "run_all",
     "run_case",
 ]
 
@@ -77,3 +80,33 @@ def run_case(name: str, options: Mapping[str, str] | None = None) -> VerifyResul
             raise CaseError(f"verify {name}: unknown option --{option}. It takes {listed}.")
         values[key] = _converted(name, known[key], text)
     return function(**values)
+
+
+def run_all() -> tuple[list[VerifyResult], dict[str, str]]:
+    """Every case with its own defaults: results, and the reasons of those that failed, by case."""
+    results, failures = [], {}
+    for name in CASES:
+        try:
+            results.append(run_case(name))
+        except (RunFailed, ArithmeticError, ImportError, OSError, ValueError) as error:
+            failures[name] = f"{type(error).__name__}: {error}"
+    return results, failures
+
+
+def option_pairs(arguments: Sequence[str]) -> dict[str, str]:
+    """``--name value`` and ``--name=value`` of a command line, without the dashes.
+
+    ``CaseError`` for a value without an option, and for an option without a value.
+    """
+    pairs: dict[str, str] = {}
+    rest = list(arguments)
+    while rest:
+        option, equals, value = rest.pop(0).partition("=")
+        if not option.startswith("--"):
+            raise CaseError(f"verify: '{option}' is no option. Give --option value.")
+        if not equals:
+            if not rest:
+                raise CaseError(f"verify: {option} has no value. Give {option} VALUE.")
+            value = rest.pop(0)
+        pairs[option.removeprefix("--")] = value
+    return pairs

@@ -1,0 +1,233 @@
+"""The command line: ``edt VERB``. Verbs check their input, call one function and print a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, get_args
+
+import typer
+
+from coupling.exit_status import ExitStatus, guarded, run_app, stop
+from coupling.numbers import numbers_of
+from coupling.ports import RunFailed
+from coupling.progress import RunProgress
+from coupling.run_folder import (
+    check_reportable,
+    check_resumable,
+    clear_models,
+    default_folder,
+    prepare_folder,
+)
+from coupling.scene import Scene, load_scene
+from coupling.scene_sections import Model
+from coupling.tables import (
+    model_estimates,
+    print_check,
+    print_json,
+    print_study,
+    print_summary,
+    print_table,
+    print_verify,
+)
+from coupling.verify import CASES, option_pairs, run_all, run_case
+
+MODELS: tuple[str, ...] = get_args(Model.model_fields["fluid"].annotation)
+
+app = typer.Typer(
+    help="Fluid-structure interaction of spherical elastomeric diaphragm tanks.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+ScenePath = Annotated[
+    Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")
+]
+RunFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene; may be repeated."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace the run that the folder holds.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+
+
+def _need_openfoam(scene: Scene, models: Sequence[str]) -> None:
+    """Find the flow solver before anything starts, where one is needed."""
+    if "openfoam" in models:
+        from coupling.foam.process import find_openfoam
+
+        find_openfoam(scene.openfoam.command)
+
+
+@contextmanager
+def _resumable(folder: Path) -> Iterator[None]:
+    """Say where an interrupted run goes on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        mend = f" Go on with: edt resume {folder}" if (folder / "checkpoint.h5").is_file() else ""
+        stop(f"{folder}: interrupted; what was computed is kept.{mend}", ExitStatus.INTERRUPTED)
+
+
+@app.command()
+@guarded
+def run(
+    scene_path: ScenePath,
+    output: Output = None,
+    changes: Changes = None,
+    force: Force = False,
+    as_json: AsJson = False,
+) -> None:
+    """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
+    scene = load_scene(scene_path, changes or ())
+    _need_openfoam(scene, [scene.model.fluid])
+    folder = output or default_folder(scene_path)
+    prepare_folder(folder, force=force)
+    from coupling.driver import run as run_scene
+
+    with _resumable(folder), RunProgress() as progress:
+        summary = run_scene(scene, folder, progress=progress)
+    _finish(summary, folder, as_json)
+
+
+@app.command()
+@guarded
+def resume(folder: RunFolder, as_json: AsJson = False) -> None:
+    """Go on from the last checkpoint, with the results of a run that never stopped."""
+    check_resumable(folder)
+    scene = load_scene(folder)
+    _need_openfoam(scene, [scene.model.fluid])
+    from coupling.driver import resume as resume_run
+
+    with _resumable(folder), RunProgress() as progress:
+        summary = resume_run(folder, progress=progress)
+    _finish(summary, folder, as_json)
+
+
+def _finish(summary: dict[str, object], folder: Path, as_json: bool) -> None:
+    if as_json:
+        print_json(summary)
+    else:
+        print_summary(summary, folder)
+    if summary.get("status") == "failed":
+        raise RunFailed(str(summary.get("error")))
+
+
+@app.command()
+@guarded
+def study(
+    scene_path: ScenePath,
+    models: Annotated[
+        str, typer.Option("--models", help="Fluid models, separated by commas.")
+    ] = ",".join(MODELS),
+    output: Output = None,
+    changes: Changes = None,
+    force: Force = False,
+    as_json: AsJson = False,
+) -> None:
+    """Run one scene on several fluid models: errors against the best, speed against error."""
+    chosen = _chosen_models(models)
+    scene = load_scene(scene_path, changes or ())
+    _need_openfoam(scene, chosen)
+    folder = output or default_folder(scene_path, "studies")
+    prepare_folder(folder, force=force)
+    clear_models(folder, chosen)
+    from coupling.study import run_study
+
+    with _resumable(folder), RunProgress() as progress:
+        outcome = run_study(scene, chosen, folder, progress=progress)
+    if as_json:
+        print_json(outcome)
+    else:
+        print_study(outcome, folder)
+
+
+def _chosen_models(listed: str) -> tuple[str, ...]:
+    chosen = tuple(name.strip() for name in listed.split(","))
+    unknown = [name for name in chosen if name not in MODELS]
+    if unknown or len(set(chosen)) < max(2, len(chosen)):
+        stop(
+            f"--models: must be two or more different ones of {', '.join(MODELS)}, got '{listed}'.",
+            ExitStatus.WRONG_INPUT,
+        )
+    return chosen
+
+
+@app.command()
+@guarded
+def report(folder: RunFolder) -> None:
+    """Build report.html again from the files of a run or a study."""
+    check_reportable(folder)
+    from coupling.report import write_report
+
+    typer.echo(write_report(folder))
+
+
+@app.command()
+@guarded
+def check(scene_path: ScenePath, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Check a scene; say how good each fluid model is for it and what it costs."""
+    scene = load_scene(scene_path, changes or ())
+    _need_openfoam(scene, [scene.model.fluid])
+    numbers = numbers_of(scene)
+    if as_json:
+        print_json(
+            {
+                "title": scene.title,
+                "numbers": numbers.to_dict(),
+                "models": model_estimates(scene, numbers),
+                "advised": numbers.advised,
+            }
+        )
+    else:
+        print_check(scene, numbers)
+
+
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+@guarded
+def verify(
+    ctx: typer.Context,
+    case: Annotated[
+        str | None, typer.Argument(metavar="CASE", help=f"One of {', '.join(CASES)}; or all.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Hold cases against exact answers. Options of the case follow: --level 0.6 --mode 1."""
+    if case is not None:
+        result = run_case(case, option_pairs(ctx.args))
+        if as_json:
+            print_json(result.to_dict())
+        else:
+            print_verify([result], {})
+        return
+    results, failures = run_all()
+    if as_json:
+        print_json({"cases": [result.to_dict() for result in results], "failures": failures})
+    else:
+        print_verify(results, failures)
+    if failures:
+        stop("\n".join(f"{name}: {why}" for name, why in failures.items()), ExitStatus.FAILED)
+
+
+@app.command()
+@guarded
+def info(as_json: AsJson = False) -> None:
+    """Say which versions are here, what was found of OpenFOAM, and what is compiled."""
+    from coupling.environment import found
+
+    values = found()
+    if as_json:
+        print_json(values)
+    else:
+        print_table("", ("", "found"), [(name, str(value)) for name, value in values.items()])
+
+
+def main() -> None:
+    """Entry point of ``edt``."""
+    run_app(app)

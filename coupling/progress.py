@@ -1,0 +1,75 @@
+"""A run's progress on stderr: a bar in a terminal, a line now and then elsewhere."""
+
+from __future__ import annotations
+
+import time
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+_LINES_EVERY = 30.0  # seconds
+
+
+class RunProgress:
+    """Context manager; call it with (stage, done, total, text), ``done`` and ``total`` in seconds.
+
+    Outside a terminal a line appears when the stage changes, then every 30 seconds and at its end.
+    """
+
+    def __init__(self, console: Console | None = None) -> None:
+        self._console = console or Console(stderr=True)
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
+        self._stage = ""
+        self._last_line = 0.0
+
+    def __enter__(self) -> Self:
+        if self._console.is_terminal:
+            self._bar = Progress(
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TextColumn("{task.completed:.3f} / {task.total:.3f} s"),
+                TextColumn("{task.fields[text]}"),
+                TimeElapsedColumn(),
+                TimeRemainingColumn(),
+                console=self._console,
+            )
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, stage: str, done: float, total: float, text: str) -> None:
+        """Show how far ``stage`` is."""
+        if self._bar is None:
+            self._line(stage, done, total, text)
+        elif self._task is None or stage != self._stage:
+            self._task = self._bar.add_task(stage, total=total, text=text)
+            self._bar.update(self._task, completed=done)
+        else:
+            self._bar.update(self._task, total=total, completed=done, text=text)
+        self._stage = stage
+
+    def _line(self, stage: str, done: float, total: float, text: str) -> None:
+        now = time.monotonic()
+        if stage == self._stage and done < total and now - self._last_line < _LINES_EVERY:
+            return
+        self._last_line = now
+        line = f"{stage}: {done:.3f} / {total:.3f} s {text}".rstrip()
+        self._console.print(line, highlight=False, markup=False, soft_wrap=True)

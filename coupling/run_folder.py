@@ -1,0 +1,106 @@
+"""Folders that runs and studies are written to: chosen and checked before anything starts."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from coupling.scene_source import SCENE_FILE
+
+# What a run or a study writes and a new one replaces; the scene and its table are overwritten.
+_RUN_FILES = (
+    "results.h5",
+    "results.xdmf",
+    "summary.json",
+    "coupling.csv",
+    "checkpoint.h5",
+    "report.html",
+    "log.txt",
+    "study.json",
+    "foam",
+)
+
+
+class FolderError(Exception):
+    """A folder that cannot be used; the message says why and the mend."""
+
+
+def default_folder(scene_path: Path, parent: str = "runs") -> Path:
+    """``runs/<name>`` below the working directory, named after the scene's folder or file."""
+    path = scene_path.resolve()
+    name = path.parent.name if path.name == SCENE_FILE else path.stem
+    return Path(parent) / (name or "scene")
+
+
+def prepare_folder(folder: Path, *, force: bool = False) -> None:
+    """Create ``folder`` and see that it can be written to.
+
+    ``force`` removes an earlier run's or study's files from it, and nothing else. ``FolderError``
+    where it holds anything and ``force`` is not set, or where it cannot be created or written.
+    """
+    try:
+        held = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+        if held and not force:
+            raise FolderError(_occupied(folder, held))
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        for name in held & set(_RUN_FILES):
+            _remove(folder / name)
+    except OSError as error:
+        raise FolderError(
+            f"{folder}: cannot be written: {error.strerror}. Give another folder with -o."
+        ) from error
+
+
+def clear_models(folder: Path, models: tuple[str, ...]) -> None:
+    """Remove the runs that an earlier study left in ``folder`` for ``models``."""
+    for model in models:
+        run = folder / model
+        if (run / SCENE_FILE).is_file():
+            shutil.rmtree(run)
+
+
+def _occupied(folder: Path, held: set[str]) -> str:
+    if "checkpoint.h5" in held:
+        what, mend = "holds a run", f"Go on with it: edt resume {folder}; or replace it: --force"
+    elif held & set(_RUN_FILES):
+        what, mend = "holds a run or a study", "Replace it with --force"
+    else:
+        what, mend = "is not empty", "Write into it all the same with --force"
+    return f"{folder}: {what}. {mend}; or give another folder with -o."
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink()
+
+
+def check_resumable(folder: Path) -> None:
+    """``FolderError`` unless ``folder`` holds a scene and a checkpoint."""
+    _check_exists(folder)
+    missing = [name for name in (SCENE_FILE, "checkpoint.h5") if not (folder / name).is_file()]
+    if missing:
+        raise FolderError(
+            f"{folder}: no run to go on with, {' and '.join(missing)} missing. "
+            "Give the folder of a run that wrote a checkpoint, or start one with edt run."
+        )
+
+
+def check_reportable(folder: Path) -> None:
+    """``FolderError`` unless ``folder`` holds the files of a run or a study."""
+    _check_exists(folder)
+    if not any((folder / name).is_file() for name in ("results.h5", "study.json")):
+        raise FolderError(
+            f"{folder}: nothing to report, neither results.h5 nor study.json is there. "
+            "Give the folder of a run or a study."
+        )
+
+
+def _check_exists(folder: Path) -> None:
+    if not folder.is_dir():
+        what = "is not a folder" if folder.exists() else "does not exist"
+        raise FolderError(f"{folder}: {what}. Give the folder of a run.")

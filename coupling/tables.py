@@ -1,0 +1,158 @@
+"""Tables that the command line prints, and the same as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from coupling.cost import run_cost
+from coupling.numbers import Numbers
+from coupling.scene import Scene
+from coupling.verify import VerifyResult
+
+
+def print_json(value: Mapping[str, Any]) -> None:
+    """Print ``value`` on stdout as JSON; numbers that JSON does not know become null."""
+    print(json.dumps(_finite(value), indent=2))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout, first column left, others right."""
+    table = Table(title=title or None, title_justify="left")
+    for index, head in enumerate(heads):
+        table.add_column(head, justify="left" if index == 0 else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    console = Console(markup=False, highlight=False)
+    if not console.is_terminal:
+        console.width = max(console.width, 100)
+    console.print(table)
+
+
+def figure(value: Any, digits: int = 4) -> str:
+    """A number to ``digits``, a dash where there is none, lists element by element."""
+    if value is None:
+        return "-"
+    if isinstance(value, list | tuple):
+        return ", ".join(figure(item, digits) for item in value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
+    """The main figures of a run's ``summary.json`` and where the results are."""
+    coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
+    bernoulli = summary.get("bernoulli") or {}
+    rows = [
+        ("status", summary.get("status")),
+        ("model", summary.get("model")),
+        ("simulated time [s]", summary.get("simulated_s")),
+        ("largest tensile strain", summary.get("strain_tensile_max")),
+        ("largest volume error", summary.get("volume_error_max")),
+        ("iterations a step, mean", coupling.get("iterations_mean")),
+        ("iterations a step, most", coupling.get("iterations_max")),
+        ("unconverged steps", coupling.get("unconverged_steps")),
+        ("CG amplitude [m]", cg.get("amplitude_m")),
+        ("CG phase [deg]", cg.get("phase_deg")),
+        ("hydrostatic over kinetic pressure", bernoulli.get("kinetic_ratio")),
+        ("hydrostatic over unsteady pressure", bernoulli.get("unsteady_ratio")),
+        ("dynamic over hydrostatic, rms", bernoulli.get("dynamic_fraction")),
+        ("momentum that hydrostatics neglects", bernoulli.get("neglected_momentum")),
+        ("wall time [s]", summary.get("wall_s")),
+        ("results", str(folder)),
+    ]
+    print_table("", ("", "value"), [(name, figure(value)) for name, value in rows])
+
+
+def print_study(study: Mapping[str, Any], folder: Path) -> None:
+    """Speed against error of a study, one row a model."""
+    models: Mapping[str, Mapping[str, Any]] = study.get("models") or {}
+    names = list(dict.fromkeys(name for row in models.values() for name in row.get("error") or {}))
+    rows = [
+        (
+            model,
+            figure(row.get("wall_s")),
+            figure(row.get("speedup"), 3),
+            *(figure((row.get("error") or {}).get(name), 3) for name in names),
+        )
+        for model, row in models.items()
+    ]
+    title = f"errors against {study.get('reference')}, in {folder}"
+    print_table(title, ("model", "wall [s]", "speedup", *names), rows)
+    if study.get("advice"):
+        print(study["advice"])
+
+
+def model_estimates(scene: Scene, numbers: Numbers) -> dict[str, dict[str, float | None]]:
+    """Estimated relative error and wall time [s] of each fluid model for ``scene``."""
+    errors = {
+        "datum": numbers.hydrostatic_error,
+        "hydrostatic": numbers.hydrostatic_error,
+        "openfoam": numbers.openfoam_error,
+    }
+    return {
+        name: {"error": error, "wall_s": run_cost(scene, name)} for name, error in errors.items()
+    }
+
+
+def print_check(scene: Scene, numbers: Numbers) -> None:
+    """Dimensionless numbers, model errors and costs of a scene."""
+    names = {
+        "level": "level h/R",
+        "slosh_frequency": "first slosh frequency f1 [Hz]",
+        "frequency": "driving frequency f [Hz]",
+        "frequency_ratio": "f/f1",
+        "bond": "Bond number",
+        "weber": "Weber number",
+        "froude": "Froude number",
+        "membrane_parameter": "rho g R^2/(E t)",
+        "elasto_gravity_wavelength": "elasto-gravity wavelength [m]",
+        "folds_round_the_rim": "folds round the rim",
+        "added_mass_ratio": "added over diaphragm mass",
+    }
+    values = numbers.to_dict()
+    print_table(
+        scene.title,
+        ("number", "value"),
+        [(text, figure(values[key])) for key, text in names.items()],
+    )
+    rows = [
+        (name, figure(row["error"], 2), figure(row["wall_s"], 2))
+        for name, row in model_estimates(scene, numbers).items()
+    ]
+    print_table("estimates", ("fluid model", "relative error", "wall time [s]"), estimates)
+    print("hydrostatic error: (f/f1)^2. datum: besides, its volume of liquid drifts.")
+    print(f"advised: {numbers.advised} (the scene says {scene.model.fluid})")
+
+
+def print_verify(results: Sequence[VerifyResult], failures: Mapping[str, str]) -> None:
+    """Computed beside exact, one row a quantity; failed cases last."""
+    rows = [
+        (
+            result.case,
+            quantity.name,
+            figure(quantity.computed, 7),
+            figure(quantity.exact, 7),
+            figure(quantity.error, 2),
+            quantity.unit,
+        )
+        for result in results
+        for quantity in result.quantities
+    ]
+    rows += [(case, "failed", "-", "-", "-", "-") for case in failures]
+    print_table("", ("case", "quantity", "computed", "exact", "error", "unit"), rows)
