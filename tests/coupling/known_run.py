@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import Delaunay
 
-from coupling.ports import Array, Ints, Sample
+from coupling.ports import Array, Ints, RunStatistics, Sample
 from coupling.results import ResultsWriter
+from coupling.scene import Scene, scene_from
 
 RADIUS, FREQUENCY, AMPLITUDE, DENSITY, GRAVITY = 0.4, 1.25, 0.1, 1000.0, 9.81
 OMEGA = 2.0 * np.pi * FREQUENCY
@@ -74,3 +75,38 @@ def write_run(folder: Path, *, periods: float = 3.0, step: float = 0.02, scene: 
     for time in np.arange(0.0, periods / FREQUENCY + step / 2, step):
         writer.append(sample(float(time), reference, triangles))
     writer.close()
+
+
+def scene() -> Scene:
+    """The scene of the known run."""
+    return scene_from(
+        {
+            "title": "Known run",
+            "tank": {"radius": RADIUS},
+            "diaphragm": {
+                "thickness": 0.0018,
+                "density": 1070.0,
+                "youngs_modulus": 8.6e6,
+                "poisson_ratio": 0.5,
+            },
+            "liquid": {"density": DENSITY, "viscosity": 1e-6, "fill_fraction": 0.5},
+            "motion": {"kind": "sine", "frequency": FREQUENCY, "amplitude": AMPLITUDE, "ramp": 0.0},
+            "time": {"duration": 2.4, "step": 0.02},
+        }
+    )
+
+
+def statistics() -> RunStatistics:
+    """What the known run counted."""
+    return RunStatistics(
+        steps=480,
+        simulated_s=2.4,
+        wall_s=96.0,
+        wall_by_part={"structure": 40.0, "fluid": 50.0, "mapping": 4.0, "output": 2.0},
+        strain_tensile_max=0.004,
+        volume_error_max=3e-6,
+        iterations_total=1920,
+        iterations_max=7,
+        speed_max=0.8,
+        dphi_dt_max=2.5,
+    )

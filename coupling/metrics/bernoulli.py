@@ -1,0 +1,79 @@
+"""The terms of Bernoulli's equation against each other: what hydrostatics may leave out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coupling.ports import Array, Ints
+
+
+def effective_gravity(gravity: Array, tank_acceleration: Array) -> float:
+    """Largest |g - a_tank| [m/s^2] of ``gravity`` (3,) and ``tank_acceleration`` (T, 3)."""
+    if len(tank_acceleration) == 0:
+        return float(np.linalg.norm(gravity))
+    return float(np.linalg.norm(gravity - tank_acceleration, axis=1).max())
+
+
+def kinetic_ratio(*, body_force: float, radius: float, speed_max: float | None) -> float | None:
+    """rho g_eff R over rho max|u|^2/2: the ratio of thesis Eq. 4.6, with the measured speed.
+
+    ``body_force`` [m/s^2], ``radius`` [m], ``speed_max`` [m/s], None where the model has no flow:
+    then, or for a liquid at rest, None.
+    """
+    return _over(body_force * radius, None if speed_max is None else 0.5 * speed_max**2)
+
+
+def unsteady_ratio(*, body_force: float, radius: float, dphi_dt_max: float | None) -> float | None:
+    """rho g_eff R over max|rho dphi/dt|: what thesis Eq. 4.6 forgets, the added mass.
+
+    ``dphi_dt_max`` [m^2/s^2]: largest |p*/rho + |u|^2/2|, None where the model has no flow.
+    """
+    return _over(body_force * radius, dphi_dt_max)
+
+
+def dynamic_fraction(
+    *,
+    position: Array,
+    triangles: Ints,
+    dynamic_pressure: Array,
+    body_force: Array,
+    density: float,
+) -> float | None:
+    """rms of p* over rms of the hydrostatic pressure rho b.x, over the interface and time.
+
+    ``position`` (T, n, 3) [m], ``triangles`` (m, 3), ``dynamic_pressure`` (T, n) [Pa],
+    ``body_force`` (T, 3) [m/s^2]: gravity less the tank's acceleration. Of both, the interface's
+    mean at each instant is removed; nodes count with a third of their triangles' area. 0 for
+    models without a flow. None without instants, or where the hydrostatic pressure is uniform.
+    """
+    if len(position) == 0:
+        return None
+    weight = node_areas(position, triangles)
+    hydrostatic = density * np.einsum("tni,ti->tn", position, body_force)
+    reference = weighted_rms(hydrostatic, weight)
+    return _over(weighted_rms(dynamic_pressure, weight), reference)
+
+
+def node_areas(position: Array, triangles: Ints) -> Array:
+    """A third of the adjacent triangles' area (T, n) [m^2] at nodes ``position`` (T, n, 3)."""
+    corner = position[:, triangles]
+    normal = np.cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0])
+    third = np.linalg.norm(normal, axis=2) / 6.0
+    areas = np.zeros(position.shape[:2])
+    for row in range(len(position)):
+        for side in range(3):
+            areas[row] += np.bincount(
+                triangles[:, side], weights=third[row], minlength=position.shape[1]
+            )
+    return areas
+
+
+def weighted_rms(values: Array, weight: Array) -> float:
+    """Root mean square of ``values`` (T, n) less their mean at each instant, by ``weight``."""
+    total = weight.sum(axis=1, keepdims=True)
+    mean = (values * weight).sum(axis=1, keepdims=True) / total
+    return float(np.sqrt((weight * (values - mean) ** 2 / total).sum(axis=1).mean()))
+
+
+def _over(part: float, whole: float | None) -> float | None:
+    return part / whole if whole else None

@@ -1,0 +1,82 @@
+"""First harmonic of a signal, against the tank's motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coupling.ports import Array
+
+_ZERO = 1e-9  # of the largest component: below it a phase is rounding
+
+
+@dataclass(frozen=True, kw_only=True)
+class Harmonic:
+    """x(t) = mean + amplitude cos(omega t + angle), of k signals.
+
+    ``coefficient`` (k,) = amplitude e^(i angle), complex; ``mean`` (k,); ``periods``: how many
+    whole periods were fitted.
+    """
+
+    coefficient: NDArray[np.complex128]
+    mean: Array
+    periods: int
+
+    @property
+    def amplitude(self) -> Array:
+        """(k,), in the signal's unit."""
+        return np.abs(self.coefficient)
+
+    def phase_deg(self, reference: complex) -> list[float | None]:
+        """Angle against ``reference`` in (-180, 180], negative where the signal lags.
+
+        None for a component of no amplitude, or without a reference.
+        """
+        smallest = _ZERO * float(self.amplitude.max(initial=0.0))
+        if reference == 0.0:
+            return [None] * len(self.coefficient)
+        return [
+            float(np.degrees(np.angle(value / reference))) if abs(value) > smallest else None
+            for value in self.coefficient
+        ]
+
+
+def last_whole_periods(
+    time: Array, frequency: float, start: float = 0.0
+) -> tuple[NDArray[np.bool_], int]:
+    """Which instants (T,) to fit, and how many periods they span.
+
+    The later half of the whole periods after ``start`` [s], where the shaking has reached its
+    amplitude, one at the least; of a run that ends before, its last whole period. Half open, so
+    that evenly spaced instants count every phase once. None of them, and 0, when the run is
+    shorter than a period or has fewer than 4 instants in it.
+    """
+    nothing = np.zeros(len(time), dtype=bool)
+    if len(time) < 4:
+        return nothing, 0
+    end = float(time[-1])
+    steady = int((end - start) * frequency * (1.0 + 1e-9))
+    whole = int((end - float(time[0])) * frequency * (1.0 + 1e-9))
+    periods = max(1, steady // 2) if steady >= 1 else min(whole, 1)
+    chosen = time > end - periods / frequency * (1.0 - 1e-9)
+    if periods == 0 or chosen.sum() < 4 * periods:
+        return nothing, 0
+    return chosen, periods
+
+
+def first_harmonic(time: Array, signal: Array, frequency: float, *, periods: int) -> Harmonic:
+    """Least squares of a constant, a cosine and a sine of ``frequency`` [Hz].
+
+    ``time`` (N,) [s], ``signal`` (N, k).
+
+    Exact, up to rounding, for such signals at any instants that tell them apart. Noise of
+    standard deviation s leaves s sqrt(2/N) in the amplitude. Higher harmonics leave nothing at
+    evenly spaced instants over whole periods; a frequency in between, such as free sloshing that
+    has not died away, leaks in the order of its amplitude over the number of periods.
+    """
+    angle = 2.0 * np.pi * frequency * time
+    basis = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=1)
+    fitted = np.linalg.lstsq(basis, signal, rcond=None)[0]
+    return Harmonic(coefficient=fitted[1] - 1j * fitted[2], mean=fitted[0], periods=periods)

@@ -1,0 +1,144 @@
+"""``summary.json``: a run in one small dictionary."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from coupling.atomic import plain
+from coupling.metrics import bernoulli
+from coupling.metrics.forces import momentum_imbalance
+from coupling.metrics.gravity_centre import (
+    neglected_momentum,
+    neglected_momentum_transient,
+    peak_amplitude,
+)
+from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_periods
+from coupling.ports import Array, RunStatistics
+from coupling.results import Results
+from coupling.scene import Scene
+
+
+def summarise(
+    results: Results, statistics: RunStatistics, scene: Scene, status: str, error: str | None
+) -> dict[str, Any]:
+    """Everything of a run that fits into a few numbers, ready for JSON.
+
+    Amplitudes and phases are those of the first harmonic over the last whole periods, the phase
+    against the tank's displacement. A run shorter than a period, or a motion without one, gives
+    half the peak-to-peak range and no phase (null). A model without a flow does not know the
+    liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
+    What cannot be said at all is null.
+    """
+    fits = harmonics(results, scene)
+    steps = max(statistics.steps, 1)
+    content: dict[str, Any] = {
+        "status": status,
+        "model": scene.model.fluid,
+        "steps": statistics.steps,
+        "simulated_s": statistics.simulated_s,
+        "wall_s": statistics.wall_s,
+        "wall_by_part": dict(statistics.wall_by_part),
+        "strain_tensile_max": statistics.strain_tensile_max,
+        "volume_error_max": statistics.volume_error_max,
+        "coupling": {
+            "scheme": scene.coupling.scheme,
+            "iterations_mean": statistics.iterations_total / steps,
+            "iterations_max": statistics.iterations_max,
+            "unconverged_steps": statistics.unconverged_steps,
+        },
+        "cg": _moving(results.liquid_cg, fits, "cg", "m")
+        | {"mean_m": _mean(results.liquid_cg, fits)},
+        "force": _moving(results.force, fits, "force", "N")
+        | {"momentum_imbalance": _imbalance(fits, scene)},
+        "bernoulli": _bernoulli(results, statistics, scene, fits),
+        "fitted_periods": fits["cg"].periods if fits else 0,
+        "error": error,
+    }
+    cleaned: dict[str, Any] = plain(content)
+    return cleaned
+
+
+def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
+    """First harmonics of ``cg``, ``force`` and the tank's ``displacement``.
+
+    Empty where there is no period, or no whole one in the results.
+    """
+    motion = scene.motion
+    if motion.kind != "sine" or not motion.frequency:
+        return {}
+    ramp = motion.ramp / motion.frequency
+    chosen, periods = last_whole_periods(results.time, motion.frequency, start=ramp)
+    if periods == 0:
+        return {}
+    signals = {
+        "cg": results.liquid_cg,
+        "force": results.force,
+        "displacement": results.tank_displacement,
+    }
+    return {
+        name: first_harmonic(
+            results.time[chosen], signal[chosen], motion.frequency, periods=periods
+        )
+        for name, signal in signals.items()
+    }
+
+
+def _moving(signal: Array, fits: dict[str, Harmonic], name: str, unit: str) -> dict[str, Any]:
+    if fits:
+        tank = fits["displacement"].coefficient
+        reference = complex(tank[np.argmax(np.abs(tank))])
+        return {
+            f"amplitude_{unit}": fits[name].amplitude,
+            "phase_deg": fits[name].phase_deg(reference),
+        }
+    amplitude = peak_amplitude(signal) if len(signal) > 1 else [None] * 3
+    return {f"amplitude_{unit}": amplitude, "phase_deg": [None] * 3}
+
+
+def _mean(signal: Array, fits: dict[str, Harmonic]) -> Any:
+    if fits:
+        return fits["cg"].mean
+    return signal.mean(axis=0) if len(signal) else [None] * 3
+
+
+def _imbalance(fits: dict[str, Harmonic], scene: Scene) -> float | None:
+    if not fits or not scene.motion.frequency:
+        return None
+    return momentum_imbalance(
+        force=fits["force"].coefficient,
+        cg=fits["cg"].coefficient,
+        displacement=fits["displacement"].coefficient,
+        mass=scene.liquid.density * scene.liquid_volume,
+        frequency=scene.motion.frequency,
+    )
+
+
+def _bernoulli(
+    results: Results, statistics: RunStatistics, scene: Scene, fits: dict[str, Harmonic]
+) -> dict[str, float | None]:
+    gravity, radius = np.array(scene.gravity), scene.tank.radius
+    body_force = bernoulli.effective_gravity(gravity, results.tank_acceleration)
+    if fits:
+        momentum = neglected_momentum(fits["cg"].coefficient, fits["displacement"].coefficient)
+    else:
+        momentum = neglected_momentum_transient(
+            results.time, results.liquid_cg, results.tank_acceleration
+        )
+    return {
+        "kinetic_ratio": bernoulli.kinetic_ratio(
+            body_force=body_force, radius=radius, speed_max=statistics.speed_max
+        ),
+        "unsteady_ratio": bernoulli.unsteady_ratio(
+            body_force=body_force, radius=radius, dphi_dt_max=statistics.dphi_dt_max
+        ),
+        "dynamic_fraction": bernoulli.dynamic_fraction(
+            position=results.position,
+            triangles=results.triangles,
+            dynamic_pressure=results.dynamic_pressure,
+            body_force=gravity - results.tank_acceleration,
+            density=scene.liquid.density,
+        ),
+        "neglected_momentum": momentum,
+    }
