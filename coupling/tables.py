@@ -126,13 +126,10 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
         "added_mass_ratio": "added over diaphragm mass",
     }
     values = numbers.to_dict()
-    print_table(
-        scene.title,
-        ("number", "value"),
-        [(text, figure(values[key])) for key, text in names.items()],
-    )
-    rows = [
-        (name, figure(row["error"], 2), figure(row["wall_s"], 2))
+    rows = [(text, figure(values[key])) for key, text in names.items()]
+    print_table(scene.title, ("number", "value"), rows)
+    estimates = [
+        (name, figure(row["error"], 2), f"{row['wall_s']:.0f}")
         for name, row in model_estimates(scene, numbers).items()
     ]
     print_table("estimates", ("fluid model", "relative error", "wall time [s]"), estimates)
