@@ -135,7 +135,7 @@ def study(
     chosen = _chosen_models(models)
     scene = load_scene(scene_path, changes or ())
     _need_openfoam(scene, chosen)
-    folder = output or default_folder(scene_path, "studies")
+    folder = output or default_folder(scene_path, "-study")
     prepare_folder(folder, force=force)
     clear_models(folder, chosen)
     from coupling.study import run_study

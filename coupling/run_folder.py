@@ -26,11 +26,15 @@ class FolderError(Exception):
     """A folder that cannot be used; the message says why and the mend."""
 
 
-def default_folder(scene_path: Path, parent: str = "runs") -> Path:
-    """``runs/<name>`` below the working directory, named after the scene's folder or file."""
+def default_folder(scene_path: Path, suffix: str = "") -> Path:
+    """``runs/<name><suffix>`` below the working directory, named after the scene's folder or file.
+
+    A file of another name than ``scene.toml`` gives its own name, without the extension.
+    """
     path = scene_path.resolve()
-    name = path.parent.name if path.name == SCENE_FILE else path.stem
-    return Path(parent) / (name or "scene")
+    inside = path.name == SCENE_FILE
+    name = path.parent.name if inside else path.name if path.is_dir() else path.stem
+    return Path("runs") / f"{name or 'scene'}{suffix}"
 
 
 def prepare_folder(folder: Path, *, force: bool = False) -> None:

@@ -1,0 +1,137 @@
+"""Dimensionless numbers against the thesis and against exact answers."""
+
+import numpy as np
+import pytest
+
+from coupling.numbers import (
+    added_mass_ratio,
+    bond_number,
+    elasto_gravity_wavelength,
+    fill_fraction_of_level,
+    froude_number,
+    hydrostatic_error,
+    level_of_fill_fraction,
+    membrane_parameter,
+    numbers_of,
+    openfoam_error,
+    slosh_eigenvalue,
+    slosh_frequency,
+    weber_number,
+)
+from coupling.scene import Scene, scene_from
+from coupling.verify import run_case
+
+
+def pad_sway(**motion: object) -> Scene:
+    return scene_from(
+        {
+            "tank": {"radius": 0.4445},
+            "diaphragm": {"thickness": 0.001778, "material": "AF-E-332"},
+            "liquid": {"density": 1000.0, "viscosity": 1e-6, "fill_fraction": 0.8},
+            "motion": motion or {"kind": "sine", "frequency": 1.25, "amplitude": 0.25},
+            "time": {"duration": 1.0},
+        }
+    )
+
+
+@pytest.mark.parametrize("fill_fraction", [0.0, 1e-9, 0.01, 0.2, 0.5, 0.8, 0.999, 1.0])
+def test_level_inverts_the_volume_of_the_cap(fill_fraction: float):
+    level = level_of_fill_fraction(fill_fraction)
+    # The arc cosine near its end loses half the digits: sqrt(eps) in the level, eps in the volume.
+    assert fill_fraction_of_level(level) == pytest.approx(fill_fraction, rel=1e-6, abs=1e-15)
+
+
+def test_level_is_exact_where_it_is_known():
+    assert level_of_fill_fraction(0.5) == pytest.approx(1.0, rel=1e-15)
+    assert level_of_fill_fraction(5.0 / 32.0) == pytest.approx(0.5, rel=1e-14)
+    with pytest.raises(ValueError, match=r"must lie in \[0, 1\]"):
+        level_of_fill_fraction(1.4)
+
+
+@pytest.mark.parametrize(
+    ("level", "eigenvalue"),
+    [(0.4, 1.1583), (0.6, 1.2625), (1.0, 1.560157), (1.4, 2.1232), (1.6, 2.6863), (1.8, 3.9593)],
+)
+def test_eigenvalue_is_the_tabulated_one(level: float, eigenvalue: float):
+    assert slosh_eigenvalue(level) == pytest.approx(eigenvalue, rel=1e-13)
+
+
+def test_eigenvalue_rises_from_the_shallow_bowl_to_the_small_opening():
+    levels = np.linspace(1e-6, 2 - 1e-6, 400)
+    values = np.array([slosh_eigenvalue(level) for level in levels])
+    assert (np.diff(values) > 0).all()
+    assert values[0] == pytest.approx(1.0, abs=1e-5)
+    # lambda a/R -> 2.754755 with a = sqrt(h (2 - h)) R, the opening's radius.
+    assert values[-1] * np.sqrt(levels[-1] * 1e-6) == pytest.approx(2.754755, rel=1e-4)
+    with pytest.raises(ValueError, match=r"must lie in \(0, 2\)"):
+        slosh_eigenvalue(2.0)
+
+
+@pytest.mark.parametrize(("level", "known"), [(0.6, 1.2625), (1.4, 2.1232), (1.6, 2.6863)])
+def test_interpolation_is_within_one_per_cent(level: float, known: float, monkeypatch):
+    """Leave a tabulated value out and predict it: the gap is twice that of the full table."""
+    from coupling import numbers
+
+    keep = level != numbers._LEVELS
+    monkeypatch.setattr(numbers, "_LAMBDAS", numbers._LAMBDAS[keep])
+    monkeypatch.setattr(numbers, "_LEVELS", numbers._LEVELS[keep])
+    assert slosh_eigenvalue(level) == pytest.approx(known, rel=1e-2)
+
+
+def test_slosh_frequency_of_the_half_full_tank():
+    # sqrt(1.560157 * 9.81/0.4445)/(2 pi), from the table's exact value.
+    frequency = slosh_frequency(radius=0.4445, gravity=9.81, fill_fraction=0.5)
+    assert frequency == pytest.approx(0.933905, rel=1e-6)
+
+
+def test_thesis_ranges():
+    hydrazine = {"density": 1010.0, "surface_tension": 0.062}
+    assert bond_number(gravity=9.81, radius=0.120, **hydrazine) == pytest.approx(2300, rel=1e-3)
+    assert bond_number(gravity=9.81, radius=0.508, **hydrazine) == pytest.approx(41240, rel=1e-4)
+    weber = weber_number(frequency=25.0, radius=0.508, **hydrazine)
+    assert weber == pytest.approx(1.33e6, rel=0.005 / 1.33)  # printed to three digits
+    bond = bond_number(gravity=9.81, radius=0.508, **hydrazine)
+    froude = froude_number(frequency=25.0, radius=0.508, gravity=9.81)
+    assert froude == pytest.approx(weber / bond, rel=1e-14)
+
+
+def test_equation_4_6_in_both_readings():
+    printed, worded = run_case("eq46").quantities
+    assert round(printed.computed) == 1118  # as the thesis prints it
+    assert worded.computed == pytest.approx(printed.computed / 4.0, rel=1e-14)
+    assert worded.error < 0.5 / 1118  # half of the last printed digit
+
+
+def test_pad_sway_is_above_resonance_and_wants_a_flow():
+    numbers = numbers_of(pad_sway())
+    assert numbers.slosh_frequency == pytest.approx(1.104, abs=5e-4)
+    assert numbers.hydrostatic_error == pytest.approx((1.25 / numbers.slosh_frequency) ** 2)
+    assert numbers.membrane_parameter == pytest.approx(0.127, abs=5e-4)
+    assert 0.160 < numbers.elasto_gravity_wavelength < 0.172
+    assert numbers.advised == "openfoam"
+    assert numbers.bond is None
+    assert numbers.weber is None
+
+
+def test_rest_and_slow_shaking_are_hydrostatic_and_a_table_is_not_judged(tmp_path):
+    assert numbers_of(pad_sway(kind="rest")).hydrostatic_error == 0.0
+    slow = numbers_of(pad_sway(kind="sine", frequency=0.2, amplitude=0.1))
+    assert slow.advised == "hydrostatic"
+    (tmp_path / "t.csv").write_text("0,0,0,0\n2,0,0,0\n")
+    table = numbers_of(pad_sway(kind="table", file=str(tmp_path / "t.csv")))
+    assert table.hydrostatic_error is None
+    assert table.advised == "openfoam"
+
+
+def test_plain_formulas():
+    assert hydrostatic_error(0.5, 1.0) == 0.25
+    assert elasto_gravity_wavelength(
+        bending_stiffness=1.0, density=1.0, gravity=1.0
+    ) == pytest.approx(2 * np.pi)
+    assert membrane_parameter(
+        density=1000.0, gravity=10.0, radius=0.5, youngs_modulus=1e6, thickness=0.001
+    ) == pytest.approx(2.5)
+    ratio = added_mass_ratio(density=1000.0, radius=0.5, area_density=2.0, eigenvalue=1.25)
+    assert ratio == pytest.approx(200.0)
+    assert openfoam_error(1216) == pytest.approx(0.022)
+    assert openfoam_error(9728) == pytest.approx(0.008, rel=0.01)

@@ -1,0 +1,264 @@
+"""Scenes: read, checked, changed, written."""
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from coupling.scene import (
+    Scene,
+    SceneError,
+    load_scene,
+    scene_from,
+    scene_toml,
+    with_overrides,
+    write_scene,
+)
+
+PAD_SWAY = """\
+title = "Pad sway"
+
+[tank]
+radius = 0.4445
+
+[diaphragm]
+thickness = 0.001778
+material = "AF-E-332"
+
+[liquid]
+density = 1000
+viscosity = 1.0e-6
+fill_fraction = 0.8
+
+[motion]
+kind = "sine"
+frequency = 1.25
+amplitude = 0.25
+
+[time]
+duration = 10.0
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    case = tmp_path / "pad_sway"
+    case.mkdir()
+    (case / "scene.toml").write_text(PAD_SWAY)
+    return case
+
+
+def test_a_folder_and_its_file_give_the_same_scene(folder: Path):
+    scene = load_scene(folder)
+    assert scene == load_scene(folder / "scene.toml")
+    assert scene.tank.radius == 0.4445
+    assert scene.liquid.density == 1000.0
+    assert scene.gravity == (0.0, 0.0, -9.81)
+    assert scene.period == 0.8
+    assert scene.time.steps == 2000
+
+
+def test_volumes_and_stiffness(folder: Path):
+    scene = load_scene(folder)
+    assert scene.liquid_volume == pytest.approx(0.8 * 4 / 3 * math.pi * 0.4445**3, rel=1e-14)
+    assert scene.diaphragm.area_density == pytest.approx(1070 * 0.001778, rel=1e-14)
+    expected = 8.6e6 * 0.001778**3 / 9.0  # 12 (1 - 1/4) = 9
+    assert scene.diaphragm.bending_stiffness == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_material_gives_its_numbers_and_a_number_overrides_it(folder: Path):
+    assert load_scene(folder).diaphragm.youngs_modulus == 8.6e6
+    softer = load_scene(folder, ["diaphragm.youngs_modulus=4.3e6"])
+    assert softer.diaphragm.youngs_modulus == 4.3e6
+    assert softer.diaphragm.density == 1070.0
+    with pytest.raises(SceneError, match=r"diaphragm\.youngs_modulus: is required"):
+        load_scene(folder, ["diaphragm.material=SIFA-35"])
+
+
+def test_a_name_on_the_command_line_replaces_the_numbers_of_the_file(folder: Path):
+    scene = load_scene(folder, ["liquid.name=fc-72"])
+    assert (scene.liquid.density, scene.liquid.surface_tension) == (1680.0, 0.010)
+    heavier = load_scene(folder, ["liquid.name=water", "liquid.density=1100"])
+    assert heavier.liquid.density == 1100.0
+
+
+def test_overrides_are_toml_or_text(folder: Path):
+    scene = load_scene(
+        folder, ["model.fluid=datum", "motion.direction=[0, 1, 0]", 'title = "a = b"']
+    )
+    assert scene.model.fluid == "datum"
+    assert scene.motion.direction == (0.0, 1.0, 0.0)
+    assert scene.title == "a = b"
+    assert with_overrides(scene, ["tank.radius=0.5"]).tank.radius == 0.5
+    assert scene.tank.radius == 0.4445
+
+
+def test_a_scene_cannot_be_changed(folder: Path):
+    with pytest.raises(ValidationError):
+        load_scene(folder).tank.radius = 1.0
+
+
+def test_every_default_is_written_out(folder: Path):
+    written = tomllib.loads(scene_toml(load_scene(folder)))
+    for name, field in Scene.model_fields.items():
+        assert name in written
+        section = getattr(field.annotation, "model_fields", {})
+        for key, item in section.items():
+            assert key in written[name] or item.default is None, f"{name}.{key}"
+
+
+positive = st.floats(1e-3, 1e3)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    radius=st.floats(1e-2, 10.0),
+    fill_fraction=st.floats(0.001, 0.999),
+    density=positive,
+    frequency=st.floats(0.01, 5.0),
+    direction=st.tuples(*[st.floats(-2.0, 2.0)] * 3).filter(any),
+    title=st.text(st.characters(codec="utf-8", exclude_categories=["Cs"]), max_size=20),
+    scheme=st.sampled_from(["added-mass", "iqn-ils", "aitken", "fixed-point"]),
+    rings=st.integers(4, 200),
+)
+def test_toml_round_trip_gives_an_equal_scene(
+    radius, fill_fraction, density, frequency, direction, title, scheme, rings
+):
+    scene = scene_from(
+        {
+            "title": title,
+            "tank": {"radius": radius},
+            "diaphragm": {"thickness": radius / 100, "material": "AF-E-332", "density": density},
+            "liquid": {"name": "water", "fill_fraction": fill_fraction},
+            "motion": {
+                "kind": "sine",
+                "frequency": frequency,
+                "amplitude": 0.1,
+                "direction": list(direction),
+            },
+            "coupling": {"scheme": scheme},
+            "cloth": {"resolution": rings},
+            "time": {"duration": 1.0},
+        }
+    )
+    assert scene_from(tomllib.loads(scene_toml(scene))) == scene
+
+
+def test_a_run_can_be_run_again_from_its_folder(folder: Path, tmp_path: Path):
+    (folder / "truck.csv").write_text("time,ax,ay,az\n0,0,0,0\n12,1,0,0\n")
+    scene = load_scene(folder, ["motion.kind=table", "motion.file=truck.csv"])
+    run = tmp_path / "run"
+    run.mkdir()
+    assert write_scene(scene, run) == run / "scene.toml"
+    moved = run.rename(tmp_path / "moved")
+    (folder / "truck.csv").unlink()
+    again = load_scene(moved)
+    assert again.motion.file == str((moved / "motion.csv").resolve())
+    unfiled = {"motion": scene.motion.model_copy(update={"file": None})}
+    assert again.model_copy(update=unfiled) == scene.model_copy(update=unfiled)
+    write_scene(again, moved)  # over itself: the table stays
+    assert load_scene(moved) == again
+
+
+def problems(folder: Path, *overrides: str) -> tuple[str, ...]:
+    with pytest.raises(SceneError) as caught:
+        load_scene(folder, overrides)
+    return caught.value.problems
+
+
+def test_an_error_says_where_what_and_the_mend(folder: Path):
+    file = folder / "scene.toml"
+    file.write_text(PAD_SWAY.replace("fill_fraction = 0.8", "fill_fraction = 1.4"))
+    assert problems(folder) == (
+        f"{file}: liquid.fill_fraction: must lie in (0, 1), got 1.4. "
+        "Give the liquid volume over the tank volume.",
+    )
+
+
+def test_all_problems_are_listed_at_once(folder: Path):
+    found = problems(folder, "tank.radius=-1", "liquid.fill_fraction=0", "cloth.resolution=many")
+    assert [line.split(": ")[1] for line in found] == [
+        "tank.radius",
+        "liquid.fill_fraction",
+        "cloth.resolution",
+    ]
+    crossed = problems(folder, "time.step=1.0", "gravity=[0,0,9.81]", "motion.direction=[0,0,0]")
+    assert len(crossed) == 3
+
+
+@pytest.mark.parametrize(
+    ("override", "says"),
+    [
+        ("liquid.fill_fracton=0.5", "unknown key. Did you mean fill_fraction?"),
+        ("tnak.radius=0.5", "unknown section. Did you mean tank?"),
+        ("tank.colour=3", "unknown key. Known here: radius."),
+        ("tank=3", "must be a section [tank], got 3"),
+        ("tank.radius=true", "must be a number, got true"),
+        ("tank.radius=nan", "must be a finite number, got nan"),
+        ("tank.radius=0", "must be positive, got 0"),
+        ("cloth.resolution=3.5", "must be a whole number, got 3.5"),
+        ("cloth.resolution=2", "must lie in [4, 200], got 2"),
+        ("gravity=[0,0]", "must be three numbers in brackets, got [0, 0]"),
+        ("gravity=[0,0,0,1]", "must be three numbers in brackets, got [0, 0, 0, 1]"),
+        ("gravity=[0,0,'x']", 'must be a number, got "x"'),
+        ("gravity=[9.81,0,0]", "its z component must be negative"),
+        ("diaphragm.held=1", "must be true or false, got 1"),
+        ("diaphragm.inextensible=false", "must be true, got false"),
+        ("diaphragm.poisson_ratio=0.7", "must lie in [0, 0.5], got 0.7"),
+        ("diaphragm.thickness=0.03", "must be below 0.05 radii (0.02223 m), got 0.03"),
+        ("diaphragm.material=teflon", '"teflon" is not a built-in elastomer'),
+        ("liquid.name=mercury", '"mercury" is not a built-in liquid. Use one of water, hydrazine'),
+        ("model.fluid=potential", 'one of "datum", "hydrostatic", "openfoam", got "potential"'),
+        ("model.fluid=openfom", "Did you mean openfoam?"),
+        ("openfoam.processors=4", "must be 1, got 4"),
+        ("cloth.wrinkling=resolved", 'must be "relaxed", got "resolved"'),
+        ("motion.ramp=-1", "must not be negative, got -1"),
+        ("motion.file=3", "must be text in quotes, got 3"),
+        ("time.duration=0.001", "must be at least time.step (0.005 s), got 0.001"),
+        ("time.step=0.05", "must be at most 1/20 of the motion's period (0.04 s), got 0.05"),
+    ],
+)
+def test_a_wrong_value_is_refused_with_its_range(folder: Path, override: str, says: str):
+    (line,) = problems(folder, override)
+    assert line.startswith("--set: " + override.partition("=")[0].split(".")[0])
+    assert says in line
+
+
+def test_missing_keys_and_sections_are_named(folder: Path):
+    (folder / "scene.toml").write_text('[motion]\nkind = "sine"\n[tank]\n')
+    found = "\n".join(problems(folder))
+    assert "tank.radius: is required. Give the tank's inner radius [m]." in found
+    assert "diaphragm: is required. Add the section [diaphragm]." in found
+
+
+def test_what_a_motion_needs_is_asked_for(folder: Path):
+    (line,) = problems(folder, "motion.kind=table")
+    assert 'motion.file: is required for kind = "table"' in line
+    text = PAD_SWAY.replace("frequency = 1.25\n", "")
+    (folder / "scene.toml").write_text(text)
+    (line,) = problems(folder)
+    assert 'motion.frequency: is required for kind = "sine"' in line
+
+
+def test_a_table_must_cover_the_run(folder: Path):
+    (folder / "truck.csv").write_text("0,0,0,0\n9.9,0,0,0\n")
+    (line,) = problems(folder, "motion.kind=table", "motion.file=truck.csv")
+    assert "must cover 0 to 10 s, covers 0 to 9.9 s" in line
+    load_scene(folder, ["motion.kind=table", "motion.file=truck.csv", "time.duration=9.9"])
+
+
+def test_files_that_cannot_be_read(folder: Path, tmp_path: Path):
+    assert "does not exist" in problems(tmp_path / "nowhere")[0]
+    assert "the folder holds no scene.toml" in problems(tmp_path)[0]
+    file = folder / "scene.toml"
+    file.write_text("title = 'a'\n[tank\nradius = 1\n")
+    assert "line 2" in problems(folder)[0]
+    file.write_bytes(b"\xff\xfe\x00")
+    assert "is not UTF-8 text" in problems(folder)[0]
+    for text in ("radius", "=3", ".a=3", "title.a=3"):
+        file.write_text(PAD_SWAY)
+        assert problems(folder, text)[0].startswith(f"--set {text}:")
