@@ -16,7 +16,6 @@ from coupling.progress import RunProgress
 from coupling.run_folder import (
     check_reportable,
     check_resumable,
-    clear_models,
     default_folder,
     prepare_folder,
 )
@@ -34,6 +33,7 @@ from coupling.tables import (
 from coupling.verify import CASES, option_pairs, run_all, run_case
 
 MODELS: tuple[str, ...] = get_args(Model.model_fields["fluid"].annotation)
+STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *MODELS})
 
 app = typer.Typer(
     help="Fluid-structure interaction of spherical elastomeric diaphragm tanks.",
@@ -66,12 +66,14 @@ def _need_openfoam(scene: Scene, models: Sequence[str]) -> None:
 
 
 @contextmanager
-def _resumable(folder: Path) -> Iterator[None]:
-    """Say where an interrupted run goes on."""
+def _resumable(folder: Path, again: str = "") -> Iterator[None]:
+    """Say how an interrupted run goes on: with the command ``again``, or from its checkpoint."""
     try:
         yield
     except KeyboardInterrupt:
-        mend = f" Go on with: edt resume {folder}" if (folder / "checkpoint.h5").is_file() else ""
+        if not again and (folder / "checkpoint.h5").is_file():
+            again = f"edt resume {folder}"
+        mend = f" Go on with: {again}" if again else ""
         stop(f"{folder}: interrupted; what was computed is kept.{mend}", ExitStatus.INTERRUPTED)
 
 
@@ -136,11 +138,10 @@ def study(
     scene = load_scene(scene_path, changes or ())
     _need_openfoam(scene, chosen)
     folder = output or default_folder(scene_path, "-study")
-    prepare_folder(folder, force=force)
-    clear_models(folder, chosen)
+    prepare_folder(folder, force=force, study=STUDY_FILES)
     from coupling.study import run_study
 
-    with _resumable(folder), RunProgress() as progress:
+    with _resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
         outcome = run_study(scene, chosen, folder, progress=progress)
     if as_json:
         print_json(outcome)

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Collection
 from pathlib import Path
 
 from coupling.scene_source import SCENE_FILE
 
-# What a run or a study writes and a new one replaces; the scene and its table are overwritten.
-_RUN_FILES = (
-    "results.h5",
-    "results.xdmf",
-    "summary.json",
-    "coupling.csv",
-    "checkpoint.h5",
-    "report.html",
-    "log.txt",
-    "study.json",
-    "foam",
+# What a run writes and a new one replaces; the scene and its table are overwritten.
+_RUN_FILES = frozenset(
+    {
+        "results.h5",
+        "results.xdmf",
+        "summary.json",
+        "coupling.csv",
+        "checkpoint.h5",
+        "report.html",
+        "log.txt",
+        "foam",
+    }
 )
+_MARKERS = frozenset({"results.h5", "summary.json", "checkpoint.h5", "study.json"})
 
 
 class FolderError(Exception):
@@ -37,39 +40,35 @@ def default_folder(scene_path: Path, suffix: str = "") -> Path:
     return Path("runs") / f"{name or 'scene'}{suffix}"
 
 
-def prepare_folder(folder: Path, *, force: bool = False) -> None:
+def prepare_folder(
+    folder: Path, *, force: bool = False, study: Collection[str] | None = None
+) -> None:
     """Create ``folder`` and see that it can be written to.
 
-    ``force`` removes an earlier run's or study's files from it, and nothing else. ``FolderError``
-    where it holds anything and ``force`` is not set, or where it cannot be created or written.
+    ``study`` names what a study writes: a folder that holds nothing else is gone on with.
+    ``force`` removes an earlier run's or study's files from the folder, and nothing else.
+    ``FolderError`` where the folder holds anything else, or cannot be created or written.
     """
     try:
         held = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
-        if held and not force:
+        if held and not force and not held <= set(study or ()):
             raise FolderError(_occupied(folder, held))
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-        for name in held & set(_RUN_FILES):
-            _remove(folder / name)
+        if force and held & _MARKERS:
+            for name in held & _RUN_FILES.union(study or ()):
+                _remove(folder / name)
     except OSError as error:
         raise FolderError(
             f"{folder}: cannot be written: {error.strerror}. Give another folder with -o."
         ) from error
 
 
-def clear_models(folder: Path, models: tuple[str, ...]) -> None:
-    """Remove the runs that an earlier study left in ``folder`` for ``models``."""
-    for model in models:
-        run = folder / model
-        if (run / SCENE_FILE).is_file():
-            shutil.rmtree(run)
-
-
-def _occupied(folder: Path, held: set[str]) -> str:
+def _occupied(folder: Path, held: Collection[str]) -> str:
     if "checkpoint.h5" in held:
         what, mend = "holds a run", f"Go on with it: edt resume {folder}; or replace it: --force"
-    elif held & set(_RUN_FILES):
+    elif _MARKERS & set(held):
         what, mend = "holds a run or a study", "Replace it with --force"
     else:
         what, mend = "is not empty", "Write into it all the same with --force"

@@ -22,7 +22,7 @@ _TYPES = {
 _RANGES = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
-class SceneError(Exception):
+class SceneError(ValueError):
     """A scene that cannot be used; one line a problem, each with its mend.
 
     ``problems``: the lines.
