@@ -51,7 +51,7 @@ def substitute_blocked(
     """(L D L^T)^-1 work (n, k) in blocks of columns that stay in the cache."""
     result = np.empty_like(work)
     for c in range(0, work.shape[1], block):
-        part = np.ascontiguousarray(work[:, c : c + block])
+        part = work[:, c : c + block].copy()
         substitute(starts, rows, values, pivots, part)
         result[:, c : c + block] = part
     return result

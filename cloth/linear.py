@@ -71,8 +71,9 @@ class System:
         solved = substitute_blocked(self._starts, self._rows, self._values, self._pivots, right)
         y = solved.reshape(-1, rank, 3).transpose(1, 0, 2).reshape(rank, -1)
         core = np.eye(rank) + inner.reshape(rank, -1) @ y.T
-        self._directions = sl.solve_triangular(
-            sl.cholesky(core, lower=True, check_finite=False), y, lower=True, check_finite=False
+        lower = sl.cholesky(core, lower=True, check_finite=False)
+        self._directions = np.ascontiguousarray(
+            sl.solve_triangular(lower, y, lower=True, check_finite=False)
         )
 
     def solve_pair(self, first: Array, second: Array) -> tuple[Array, Array]:

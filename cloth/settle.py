@@ -35,7 +35,7 @@ def settle(
     cloth: Cloth,
     load: Load,
     *,
-    dt: float = 0.01,
+    dt: float = 0.03,
     ramp_steps: int = 100,
     tolerance: float = 1e-7,
     steps_max: int = 1500,

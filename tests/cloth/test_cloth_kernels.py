@@ -1,0 +1,149 @@
+"""Every compiled kernel against its NumPy definition, and the linear system against a dense one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from cloth import kernels, reference
+from cloth.bending import bending_matrix, build_hinges
+from cloth.linear import System
+from cloth.mesh import Mesh, hemisphere, rest_gradients
+
+ROUNDING = 1e-11  # sums of a few hundred terms of order one, in another order
+
+
+@pytest.fixture(scope="module")
+def mesh() -> Mesh:
+    return hemisphere(1.0, 5)
+
+
+@pytest.fixture
+def crumpled(mesh: Mesh) -> np.ndarray:
+    return mesh.points + 0.08 * np.random.default_rng(3).standard_normal(mesh.points.shape)
+
+
+@pytest.mark.parametrize(("tensile", "compressive"), [(-1.0, 0.0), (-1.0, 10.0), (40.0, 5.0)])
+def test_membrane_step(mesh, crumpled, tensile, compressive):
+    rng = np.random.default_rng(4)
+    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
+    penalty = rng.uniform(50.0, 100.0, len(areas))
+    z0, u0 = rng.normal(size=(2, len(areas), 3, 2)) * 0.1
+    answers = []
+    for module in (reference, kernels):
+        z, u, rhs = z0.copy(), u0.copy(), np.zeros_like(crumpled)
+        module.membrane_step(
+            crumpled, mesh.triangles, gradients, areas, penalty, 1.4, tensile, compressive,
+            z, u, rhs,
+        )  # fmt: skip
+        answers.append((z, u, rhs))
+    for wanted, got in zip(*answers, strict=True):
+        np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
+
+
+def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
+    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
+    z, u = np.zeros((2, len(areas), 3, 2))
+    rhs = np.zeros_like(mesh.points)
+    kernels.membrane_step(
+        1.5 * mesh.points, mesh.triangles, gradients, areas, np.ones(len(areas)), 1.0, -1.0, 0.0,
+        z, u, rhs,
+    )  # fmt: skip
+    np.testing.assert_allclose(np.linalg.svd(z, compute_uv=False), 1.0, atol=1e-12)
+    np.testing.assert_allclose(u, 0.5 * z, atol=1e-12)
+
+
+def test_principal_strains(mesh, crumpled):
+    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
+    wanted, got = np.empty((2, len(areas)))
+    worst = reference.principal_strains(crumpled, mesh.triangles, gradients, wanted)
+    assert kernels.principal_strains(crumpled, mesh.triangles, gradients, got) == pytest.approx(
+        worst, rel=1e-12
+    )
+    np.testing.assert_allclose(got, wanted, atol=1e-12)
+
+
+def test_contact_step(mesh, crumpled):
+    rng = np.random.default_rng(5)
+    limit = rng.uniform(0.9, 1.0, len(crumpled))
+    weight = np.where(mesh.fixed, 0.0, 3.0)
+    z0, u0 = rng.normal(size=(2, *crumpled.shape)) * 0.1
+    answers = []
+    for module in (reference, kernels):
+        z, u, rhs = z0.copy(), u0.copy(), np.zeros_like(crumpled)
+        module.contact_step(crumpled, limit, weight, 1.3, z, u, rhs)
+        answers.append((z, u, rhs))
+    for wanted, got in zip(*answers, strict=True):
+        np.testing.assert_allclose(got, wanted, atol=1e-12)
+
+
+def test_volume_and_loads(mesh, crumpled):
+    slope = np.array([100.0, -30.0, -9810.0])
+    answers = []
+    for module in (reference, kernels):
+        gradient, load = np.empty((2, *crumpled.shape))
+        cone = module.volume_and_loads(crumpled, mesh.triangles, slope, ~mesh.fixed, gradient, load)
+        answers.append((np.array(cone), gradient, load))
+    for wanted, got in zip(*answers, strict=True):
+        np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
+
+
+def test_bending_rest_step(mesh, crumpled):
+    hinges = build_hinges(mesh, 1.0)
+    moment = hinges.weight * hinges.curvature
+    wanted, got = np.zeros((2, *crumpled.shape))
+    reference.bending_rest_step(crumpled, hinges.nodes, hinges.coefficients, moment, wanted)
+    kernels.bending_rest_step(crumpled, hinges.nodes, hinges.coefficients, moment, got)
+    np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
+
+
+def test_normal_drag_step(mesh, crumpled):
+    rng = np.random.default_rng(6)
+    drag = np.where(mesh.fixed, 0.0, rng.uniform(1.0, 2.0, len(crumpled)))
+    gradient = rng.normal(size=crumpled.shape)
+    wanted, got = np.zeros((2, *crumpled.shape))
+    reference.normal_drag_step(crumpled, mesh.points, gradient, drag, wanted)
+    kernels.normal_drag_step(crumpled, mesh.points, gradient, drag, got)
+    np.testing.assert_allclose(got, wanted, atol=1e-12)
+
+
+def test_moulded_shape_has_no_bending_force_and_its_mirror_has():
+    mesh = hemisphere(1.0, 8)
+    hinges = build_hinges(mesh, 2.0)
+    matrix = bending_matrix(hinges, len(mesh.points))
+    moment = hinges.weight * hinges.curvature
+    force = np.zeros_like(mesh.points)
+    kernels.bending_rest_step(mesh.points, hinges.nodes, hinges.coefficients, moment, force)
+    scale = np.abs(force).max()
+    assert np.abs(force - matrix @ mesh.points).max() <= 1e-10 * scale
+    mirrored = mesh.points * np.array([1.0, 1.0, -1.0])
+    force[:] = 0.0
+    kernels.bending_rest_step(mirrored, hinges.nodes, hinges.coefficients, moment, force)
+    assert np.abs(force - matrix @ mirrored).max() > scale
+
+
+@pytest.mark.parametrize("rank", [0, 1, 7, 40])
+def test_system_against_a_dense_solve(mesh, rank):
+    rng = np.random.default_rng(7)
+    n = len(mesh.points)
+    free = ~mesh.fixed
+    hinges = build_hinges(mesh, 1.0)
+    matrix = sp.csc_matrix(bending_matrix(hinges, n) + sp.diags(rng.uniform(1.0, 2.0, n)))
+    rows = np.where(free[None, :, None], rng.normal(size=(rank, n, 3)), 0.0)
+    system = System(matrix, free)
+    system.add_mass(rows)
+    first, second = rng.normal(size=(2, n, 3))
+    flat = rows.reshape(rank, 3 * n)
+    dense = np.kron(matrix.toarray(), np.eye(3)) + flat.T @ flat
+    on = np.repeat(free, 3)
+    got = system.solve_pair(first, second)
+    for right, answer in zip((first, second), got, strict=True):
+        wanted = np.zeros(3 * n)
+        wanted[on] = np.linalg.solve(dense[np.ix_(on, on)], right.ravel()[on])
+        np.testing.assert_allclose(answer.ravel(), wanted, atol=1e-10 * np.abs(wanted).max())
+    fixed_at = rng.normal(size=(n, 3))
+    lift = system.lift(fixed_at, mesh.fixed)
+    np.testing.assert_allclose(
+        lift[free], -matrix.toarray()[np.ix_(free, ~free)] @ fixed_at[mesh.fixed], atol=1e-12
+    )
