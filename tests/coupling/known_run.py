@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -66,14 +67,25 @@ def sample(time: float, reference: Array, triangles: Ints) -> Sample:
     )
 
 
-def write_run(folder: Path, *, periods: float = 3.0, step: float = 0.02, scene: str = "") -> None:
-    """The known run as a results folder."""
+def write_run(
+    folder: Path,
+    *,
+    periods: float = 3.0,
+    step: float = 0.02,
+    scene: str = "",
+    model: str = "openfoam",
+    tilt: float = 1.0,
+) -> None:
+    """The known run as a results folder; ``tilt`` scales how far the diaphragm moves."""
     reference, triangles = disc()
     writer = ResultsWriter(
-        folder, scene_toml=scene, model="openfoam", reference=reference, triangles=triangles
+        folder, scene_toml=scene, model=model, reference=reference, triangles=triangles
     )
     for time in np.arange(0.0, periods / FREQUENCY + step / 2, step):
-        writer.append(sample(float(time), reference, triangles))
+        known = sample(float(time), reference, triangles)
+        flat = reference * [1.0, 1.0, 0.2]
+        position = flat + tilt * (known.position - flat)
+        writer.append(replace(known, position=position))
     writer.close()
 
 

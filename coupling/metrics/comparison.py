@@ -1,0 +1,100 @@
+"""A run against a better one: the errors of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from coupling.metrics.bernoulli import node_areas
+from coupling.ports import Array, Ints
+from coupling.results import Results
+
+Errors = dict[str, float | None]
+NAMES = ("shape_rms", "cg_amplitude", "cg_phase_deg", "force_amplitude", "pressure_rms")
+
+
+def compare(
+    results: Results,
+    summary: Mapping[str, Any],
+    reference: Results,
+    reference_summary: Mapping[str, Any],
+    radius: float,
+) -> Errors:
+    """Errors of a run against ``reference``, all of them positive.
+
+    ``shape_rms``: distance between equal nodes, rms over the surface and the common instants, over
+    ``radius``; sliding along the surface counts. ``pressure_rms``: rms difference of the net
+    pressure at equal nodes over its rms. Both are None where the meshes differ or no instant is
+    common. ``cg_amplitude`` and ``force_amplitude`` are relative, ``cg_phase_deg`` is in degrees
+    at the component that moves most; from the summaries, None where those say null.
+    """
+    rows, reference_rows = common_instants(results.time, reference.time)
+    same_mesh = results.triangles.shape == reference.triangles.shape and bool(
+        np.all(results.triangles == reference.triangles)
+    )
+    comparable = same_mesh and len(rows) > 0
+    weight = node_areas(reference.position[reference_rows], reference.triangles)
+    moved = results.position[rows] - reference.position[reference_rows] if comparable else None
+    return {
+        "shape_rms": None if moved is None else _rms(np.linalg.norm(moved, axis=2), weight) / radius,
+        "cg_amplitude": _relative(summary, reference_summary, "cg", "amplitude_m"),
+        "cg_phase_deg": _phase(summary["cg"], reference_summary["cg"]),
+        "force_amplitude": _relative(summary, reference_summary, "force", "amplitude_N"),
+        "pressure_rms": _over(
+            _rms(results.pressure[rows] - reference.pressure[reference_rows], weight),
+            _rms(reference.pressure[reference_rows], weight),
+        )
+        if comparable
+        else None,
+    }
+
+
+def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
+    """Rows of equal times in two sorted series [s]; equal means within 1e-6 of the end time."""
+    if len(time) == 0 or len(other) == 0:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    after = np.minimum(np.searchsorted(other, time), len(other) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(np.abs(time - other[before]) < np.abs(time - other[after]), before, after)
+    rows = np.flatnonzero(np.abs(time - other[nearest]) <= 1e-6 * float(other[-1]))
+    return rows.astype(np.int64), nearest[rows].astype(np.int64)
+
+
+def below(errors: Errors, own: Mapping[str, Errors]) -> list[str]:
+    """Names of the errors that are smaller than the reference's ``own`` ones: no difference seen."""
+    names = []
+    for name, value in errors.items():
+        known = [one[name] for one in own.values() if one.get(name) is not None]
+        if value is not None and known and value < max(item for item in known if item is not None):
+            names.append(name)
+    return names
+
+
+def _rms(values: Array, weight: Array) -> float:
+    return float(np.sqrt((weight * values**2).sum() / weight.sum()))
+
+
+def _relative(
+    summary: Mapping[str, Any], reference: Mapping[str, Any], part: str, name: str
+) -> float | None:
+    mine, best = summary[part][name], reference[part][name]
+    if None in (*mine, *best):
+        return None
+    size = float(np.linalg.norm(best))
+    return _over(abs(float(np.linalg.norm(mine)) - size), size)
+
+
+def _phase(mine: Mapping[str, Any], best: Mapping[str, Any]) -> float | None:
+    if None in best["amplitude_m"]:
+        return None
+    row = int(np.argmax(best["amplitude_m"]))
+    one, other = mine["phase_deg"][row], best["phase_deg"][row]
+    if one is None or other is None:
+        return None
+    return abs(float(one - other + 180.0) % 360.0 - 180.0)
+
+
+def _over(part: float, whole: float) -> float | None:
+    return part / whole if whole > 0.0 else None

@@ -1,0 +1,6 @@
+"""One HTML file that says what a run or a study found, from its files alone."""
+
+from coupling.report.picture import render_picture
+from coupling.report.write import write_report
+
+__all__ = ["render_picture", "write_report"]

@@ -1,0 +1,168 @@
+"""Curves over time, of one run or of several overlaid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from coupling.ports import Array
+from coupling.report.files import RunFiles, pressure_rms
+from coupling.report.page import Picture
+from coupling.report.style import (
+    BLUE,
+    COMPONENTS,
+    GREY,
+    INK,
+    LIGHT,
+    MODEL_COLOURS,
+    ORANGE,
+    legend_above,
+    new_figure,
+    svg,
+    thinned,
+)
+
+_SMALL = 0.01  # a component below this share of the largest one is left out
+
+
+def motion_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Picture:
+    """The tank's displacement above, ``signal`` (T, 3) below, by component."""
+    figure = new_figure(height=3.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2))
+    moved = run.results.tank_displacement
+    main = int(np.argmax(np.ptp(moved, axis=0)))
+    upper.plot(*thinned(run.results.time, 1e3 * moved[:, main]), color=GREY)
+    upper.set_ylabel("tank (mm)")
+    largest = float(np.ptp(signal, axis=0).max())
+    for axis, (name, colour, line) in enumerate(COMPONENTS):
+        if np.ptp(signal[:, axis]) >= _SMALL * largest:
+            x, y = thinned(run.results.time, signal[:, axis])
+            lower.plot(x, y, line, color=colour, label=name)
+    lower.set_ylabel(label)
+    lower.set_xlabel("time (s)")
+    legend_above(lower)
+    figure.align_ylabels()
+    return Picture(source=svg(figure), caption=caption, alt=caption)
+
+
+def pressure_figure(run: RunFiles) -> Picture:
+    """rms over the diaphragm of p* and of the hydrostatic variation."""
+    dynamic, hydrostatic = pressure_rms(run)
+    figure = new_figure()
+    axes = figure.subplots()
+    time = run.results.time
+    axes.plot(*thinned(time, hydrostatic / 1e3), color=ORANGE, label="hydrostatic")
+    axes.plot(*thinned(time, dynamic / 1e3), color=BLUE, linestyle="--", label="dynamic p*")
+    _finish(axes, "rms over diaphragm (kPa)")
+    text = "How strongly each pressure varies over the diaphragm: hydrostatic, and what it omits."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def node_pressure_figure(run: RunFiles) -> Picture:
+    """Both pressures at the node where p* is largest."""
+    results = run.results
+    node = int(np.argmax(np.abs(results.dynamic_pressure).max(axis=0)))
+    dynamic = results.dynamic_pressure[:, node]
+    hydrostatic = results.pressure[:, node] - dynamic
+    figure = new_figure()
+    axes = figure.subplots()
+    axes.plot(*thinned(results.time, hydrostatic / 1e3), color=ORANGE, label="hydrostatic")
+    axes.plot(*thinned(results.time, dynamic / 1e3), color=BLUE, linestyle="--", label="dynamic p*")
+    _finish(axes, "pressure (kPa)")
+    x, y, z = results.reference[node] * 1e3
+    text = (
+        "Both at the point of the diaphragm where p* becomes largest, moulded at "
+        f"({x:.0f}, {y:.0f}, {z:.0f}) mm."
+    )
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def coupling_figure(run: RunFiles) -> Picture:
+    """Iterations of each step, and the residual they left."""
+    time, iteration, residual, _ = run.iterations.T
+    last = np.append(time[1:] != time[:-1], True)
+    figure = new_figure(height=3.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.4))
+    upper.step(*thinned(time[last], iteration[last]), where="mid", color=INK, linewidth=1.0)
+    upper.set_ylabel("iterations")
+    upper.set_ylim(bottom=0.0)
+    x, y = thinned(time[last], np.maximum(residual[last], 1e-16))
+    lower.semilogy(x, y, ".", markersize=2.5, color=BLUE, rasterized=False)
+    lower.axhline(run.scene.coupling.tolerance, color=ORANGE, linewidth=1.0, linestyle="--")
+    lower.set_ylabel("residual")
+    lower.set_xlabel("time (s)")
+    figure.align_ylabels()
+    text = "Coupling iterations of every step, and the residual left; dashed: the tolerance."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def mesh_figure(run: RunFiles) -> Picture | None:
+    """Worst non-orthogonality of the flow's mesh; None where there is none."""
+    values = run.results.metrics.get("non_orthogonality_max")
+    if values is None or not np.isfinite(values).any():
+        return None
+    figure = new_figure()
+    axes = figure.subplots()
+    axes.plot(*thinned(run.results.time, values), color=INK)
+    axes.axhline(70.0, color=ORANGE, linewidth=1.0, linestyle="--")
+    axes.set_ylim(bottom=0.0)
+    axes.set(xlabel="time (s)", ylabel="non-orthogonality (deg)")
+    text = "Worst face of the flow's mesh; above 70° (dashed) the discretisation loses accuracy."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def strain_figure(run: RunFiles) -> Picture:
+    """Largest tensile strain, against the limit."""
+    results = run.results
+    figure = new_figure()
+    axes = figure.subplots()
+    axes.plot(*thinned(results.time, 100.0 * results.strain.max(axis=1)), color=INK)
+    axes.axhline(100.0 * run.scene.cloth.strain_limit, color=ORANGE, linewidth=1.0, linestyle="--")
+    axes.set_ylim(bottom=0.0)
+    axes.set(xlabel="time (s)", ylabel="largest tensile strain (%)")
+    text = "Largest principal tensile strain of all triangles; dashed: the limit asked for."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def volume_figure(run: RunFiles) -> Picture:
+    """Relative error of the liquid's volume."""
+    figure = new_figure()
+    axes = figure.subplots()
+    error = np.abs(run.results.volume / run.scene.liquid_volume - 1.0)
+    axes.semilogy(*thinned(run.results.time, np.maximum(error, 1e-17)), color=INK)
+    axes.set(xlabel="time (s)", ylabel="relative volume error")
+    text = "Volume under the diaphragm against the liquid's own (rounding is 1e-16)."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, caption: str) -> Picture:
+    """One curve (T,) of each run, in its model's colour."""
+    figure = new_figure(height=2.7)
+    axes = figure.subplots()
+    for run, curve in zip(runs, curves, strict=True):
+        colour = MODEL_COLOURS.get(run.model, INK)
+        axes.plot(*thinned(run.results.time, curve), color=colour, label=run.model)
+    _finish(axes, label)
+    return Picture(source=svg(figure), caption=caption, alt=caption)
+
+
+def speed_figure(points: Sequence[tuple[str, float, float]]) -> Picture:
+    """Worst relative error against wall time, one (model, wall time [s], error) a point."""
+    figure = new_figure(height=2.7)
+    axes = figure.subplots()
+    for model, wall, error in points:
+        colour = MODEL_COLOURS.get(model, INK)
+        axes.loglog(wall, 100.0 * error, "o", color=colour, markersize=8)
+        axes.annotate(model, (wall, 100.0 * error), (7, 6), textcoords="offset points")
+    axes.axhline(5.0, color=LIGHT, linewidth=1.2)
+    axes.margins(0.25)
+    axes.set(xlabel="wall time (s)", ylabel="worst error (%)")
+    text = "Speed against error: lower and further left is better. The grey line is 5 %."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _finish(axes: Any, label: str) -> None:
+    axes.set(xlabel="time (s)", ylabel=label)
+    legend_above(axes)

@@ -1,0 +1,83 @@
+"""What a page is made of, and its way into HTML."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib.resources import files
+
+from jinja2 import Environment, StrictUndefined
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """An image (a data address), its caption, and a text for those who cannot see it."""
+
+    source: str
+    caption: str
+    alt: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """Rows of text; the first column is a name, the others stand right if ``numbers``."""
+
+    head: list[str] = field(default_factory=list)
+    rows: list[list[str]]
+    numbers: bool = True
+    note: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A heading and what stands under it; ``columns`` pictures side by side."""
+
+    title: str
+    text: str = ""
+    tables: list[Table] = field(default_factory=list)
+    pictures: list[Picture] = field(default_factory=list)
+    columns: int = 2
+    scale: Picture | None = None
+    source: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Page:
+    """A report: ``verdict`` is the sentence at the top, ``alarm`` what went wrong."""
+
+    title: str
+    subtitle: str
+    verdict: str
+    explanation: str
+    alarm: str = ""
+    figures: list[tuple[str, str, str]] = field(default_factory=list)
+    sections: list[Section]
+    footer: str
+
+
+def html(page: Page) -> str:
+    """The page as one self-contained HTML text."""
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    text = files("coupling.report").joinpath("report.html").read_text(encoding="utf-8")
+    return environment.from_string(text).render(page=page)
+
+
+def number(value: float | None, unit: str = "", digits: int = 3) -> str:
+    """Figure to ``digits`` significant digits, with a thin space and its unit; a dash for None."""
+    if value is None:
+        return "–"
+    text = f"{value:.{digits}g}"
+    if "e" in text:
+        mantissa, _, exponent = text.partition("e")
+        raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        text = f"{mantissa} × 10{raised}" if mantissa != "1" else f"10{raised}"
+    text = text.replace("-", "−")
+    return f"{text}\u202f{unit}" if unit else text
+
+
+def percent(value: float | None) -> str:
+    """A fraction as a percentage of two digits; a dash for None."""
+    if value is None:
+        return "–"
+    return f"{100.0 * value:.{1 if abs(value) < 0.0995 else 0}f}\u202f%" if value else "0\u202f%"

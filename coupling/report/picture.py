@@ -1,0 +1,146 @@
+"""The tank seen from the side: shell, diaphragm, pressure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from coupling.ports import Array
+from coupling.report.section_cut import horizontal
+from coupling.report.style import GREY, INK, LIGHT, house_style
+from coupling.results import Results
+
+ELEVATION = 20.0
+_TURN = -18.0  # degrees off the plane of shaking, so that the surface is seen to have depth
+_LIGHT = np.array([-0.35, -0.55, 0.75])
+
+
+def render_picture(results: Results, path: Path | str) -> Path:
+    """Write a picture of the diaphragm at three instants of a period, coloured by p*.
+
+    The format follows the ending of ``path``. Models without a flow show the hydrostatic pressure.
+    """
+    rows = period_rows(results, 3)
+    with house_style():
+        figure = Figure(figsize=(3.1 * len(rows), 3.9))
+        FigureCanvasAgg(figure)
+        colours = pressure_colours(results, rows)
+        share = 1.0 / len(rows)
+        for column, row in enumerate(rows):
+            axes = figure.add_axes((column * share, 0.2, share, 0.8), projection="3d")
+            draw_tank(axes, results, row, colours)
+            text = f"t = {results.time[row]:.2f} s"
+            figure.text((column + 0.5) * share, 0.2, text, ha="center", color=GREY)
+        scale = figure.add_axes((0.32, 0.125, 0.36, 0.02))
+        bar = figure.colorbar(colours.mappable, cax=scale, orientation="horizontal")
+        bar.set_label(colours.label)
+        bar.outline.set_visible(False)
+        figure.savefig(path, dpi=200, facecolor="white")
+    return Path(path)
+
+
+class PressureColours:
+    """Colours of the nodes' pressure, the same at all instants; ``label`` says what it is."""
+
+    def __init__(self, values: Array, label: str, *, diverging: bool) -> None:
+        self.values, self.label = values, label
+        # the few largest values would leave the rest without colour
+        top = float(np.quantile(np.abs(values), 0.99)) if values.size else 1.0
+        low, high = (-top, top) if diverging else (float(np.min(values, initial=0.0)), top)
+        if high <= low:
+            low, high = low - 1.0, low + 1.0
+        self.mappable = ScalarMappable(
+            Normalize(low, high), colormaps["RdBu_r" if diverging else "cividis"]
+        )
+
+
+def pressure_colours(results: Results, rows: list[int]) -> PressureColours:
+    """p* where there is any, else the net pressure; ``values`` (T, n) [kPa]."""
+    dynamic = results.dynamic_pressure
+    if np.any(dynamic):
+        colours = PressureColours(dynamic[rows] / 1e3, "dynamic pressure p* (kPa)", diverging=True)
+        colours.values = dynamic / 1e3
+        return colours
+    colours = PressureColours(results.pressure[rows] / 1e3, "net pressure (kPa)", diverging=False)
+    colours.values = results.pressure / 1e3
+    return colours
+
+
+def period_rows(results: Results, count: int) -> list[int]:
+    """Rows of ``count`` instants spread over the last period of the shaking, else over the run.
+
+    The period is that of the tank's displacement, from its last two upward zero crossings; the
+    first instant is a quarter later, where the tank is farthest out.
+    """
+    time, moved = results.time, results.tank_displacement
+    if len(time) <= count:
+        return list(range(len(time)))
+    largest = int(np.argmax(np.ptp(moved, axis=0)))
+    along = moved[:, largest]
+    upward = np.flatnonzero((along[:-1] < 0.0) & (along[1:] >= 0.0))
+    if len(upward) >= 2:
+        begin, end = float(time[upward[-2]]), float(time[upward[-1]])
+        share = 0.25 + np.arange(count) * (0.5 / (count - 1) if count == 3 else 1.0 / count)
+        wanted = begin + share * (end - begin)
+        if wanted[-1] > time[-1]:
+            wanted = wanted - (end - begin)
+    else:
+        wanted = np.linspace(time[0], time[-1], count)
+    return [int(np.argmin(np.abs(time - instant))) for instant in wanted]
+
+
+def draw_tank(axes: Any, results: Results, row: int, colours: PressureColours) -> None:
+    """Shell outline and diaphragm at one instant, seen across the direction of shaking."""
+    radius = float(np.linalg.norm(results.reference, axis=1).max())
+    along = horizontal(np.ptp(results.tank_displacement, axis=0))
+    azimuth = float(np.degrees(np.arctan2(along[1], along[0]))) - 90.0 + _TURN
+    axes.set_proj_type("ortho")
+    axes.view_init(elev=ELEVATION, azim=azimuth)
+    axes.set_axis_off()
+    axes.computed_zorder = False  # what is behind what is decided here
+    axes.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-radius, radius))
+    axes.set_box_aspect((1, 1, 1), zoom=1.52)
+    _draw_shell(axes, radius, azimuth)
+    corners = results.position[row][results.triangles]
+    shown = colours.values[row][results.triangles].mean(axis=1)
+    surface = Poly3DCollection(
+        corners, facecolors=_lit(corners, colours.mappable.to_rgba(shown)), linewidths=0.15
+    )
+    surface.set_edgecolor((0.1, 0.13, 0.16, 0.25))
+    surface.set_zorder(2)
+    axes.add_collection3d(surface)
+
+
+def _draw_shell(axes: Any, radius: float, azimuth: float) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    turn, tilt = np.radians(azimuth), np.radians(ELEVATION)
+    right = np.array([-np.sin(turn), np.cos(turn), 0.0])
+    up = np.array([-np.sin(tilt) * np.cos(turn), -np.sin(tilt) * np.sin(turn), np.cos(tilt)])
+    outline = radius * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up)
+    axes.plot(*outline.T, color=INK, linewidth=1.1, zorder=4)
+    rim = radius * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    towards = rim @ np.array([np.cos(turn), np.sin(turn), 0.0])
+    for shown, order in ((towards >= 0.0, 3), (towards <= 0.0, 1)):
+        half = np.where(shown[:, None], rim, np.nan)
+        axes.plot(*half.T, color=GREY, linewidth=0.9, zorder=order)
+    glass = Poly3DCollection([outline], facecolors=[LIGHT], alpha=0.18)
+    glass.set_zorder(0)
+    axes.add_collection3d(glass)
+
+
+def _lit(corners: Array, colour: Any) -> Any:
+    """Darken faces that look away from the light; both sides of the rubber are lit."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+    facing = np.abs(normal @ _LIGHT) / (length * np.linalg.norm(_LIGHT))
+    shaded = np.array(colour)
+    shaded[:, :3] *= (0.62 + 0.38 * facing)[:, None]
+    return shaded

@@ -1,0 +1,121 @@
+"""The report of one run."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from datetime import UTC, datetime
+
+import h5py
+import numpy as np
+
+from coupling.report import figures, instants, scene_table
+from coupling.report.files import RunFiles
+from coupling.report.page import Page, Picture, Section, number
+from coupling.report.verdict import bernoulli_keys, verdict
+
+
+def run_page(run: RunFiles) -> Page:
+    """Everything there is to say of a run."""
+    headline, explanation = verdict(run)
+    summary = run.summary
+    alarm = ""
+    if summary["status"] != "completed":
+        reached = f"{number(summary['simulated_s'], 's')} of {number(run.scene.time.duration, 's')}"
+        alarm = f"This run is {summary['status']}, after {reached}. {summary['error'] or ''}"
+    return Page(
+        title=run.scene.title or run.folder.resolve().name,
+        subtitle=f"{run.model} · {number(summary['simulated_s'], 's')} simulated in "
+        f"{number(summary['wall_s'], 's')} · diaphragm tank, fluid and diaphragm coupled",
+        verdict=headline,
+        explanation=explanation,
+        alarm=alarm,
+        figures=bernoulli_keys(run),
+        sections=_sections(run),
+        footer=provenance(run),
+    )
+
+
+def _sections(run: RunFiles) -> list[Section]:
+    sections = [_shape(run)] if len(run.results.time) else []
+    if len(run.results.time) > 1:
+        sections += [_pressure(run), _motion(run)]
+    else:
+        sections.append(
+            Section(title="What hydrostatics leaves out", tables=[scene_table.bernoulli_table(run)])
+        )
+    return [
+        *sections,
+        _quality(run),
+        Section(title="Scene", tables=scene_table.scene_tables(run), source=run.results.scene_toml),
+    ]
+
+
+def _shape(run: RunFiles) -> Section:
+    pictures, scale = instants.views(run)
+    return Section(
+        title="Diaphragm",
+        text="The tank frame, seen across the direction of shaking, at instants of the last "
+        "period. Below: cut in the plane of shaking; liquid shaded, its centre of gravity a cross.",
+        pictures=[*pictures, *instants.sections(run)],
+        columns=4,
+        scale=scale,
+    )
+
+
+def _pressure(run: RunFiles) -> Section:
+    return Section(
+        title="What hydrostatics leaves out",
+        tables=[scene_table.bernoulli_table(run)],
+        pictures=[figures.pressure_figure(run), figures.node_pressure_figure(run)],
+    )
+
+
+def _motion(run: RunFiles) -> Section:
+    results, scene = run.results, run.scene
+    weight = scene.liquid.density * scene.liquid_volume * np.array(scene.gravity)
+    middle = results.liquid_cg.mean(axis=0)
+    return Section(
+        title="Centre of gravity and force",
+        tables=[scene_table.motion_table(run)],
+        pictures=[
+            figures.motion_figure(
+                run,
+                1e3 * (results.liquid_cg - middle),
+                "CG in tank (mm)",
+                "Tank, and the liquid’s centre of gravity in it about its mean.",
+            ),
+            figures.motion_figure(
+                run,
+                results.force - weight,
+                "force less weight (N)",
+                "Force of the liquid on tank and diaphragm, without the liquid’s weight.",
+            ),
+        ],
+    )
+
+
+def _quality(run: RunFiles) -> Section:
+    pictures: list[Picture] = []
+    if len(run.iterations):
+        pictures.append(figures.coupling_figure(run))
+    if len(run.results.time) > 1:
+        mesh = figures.mesh_figure(run)
+        pictures += [figures.strain_figure(run), figures.volume_figure(run)]
+        pictures += [mesh] if mesh else []
+    return Section(
+        title="How well it was solved, and what it cost",
+        tables=[scene_table.quality_table(run), scene_table.cost_table(run)],
+        pictures=pictures,
+    )
+
+
+def provenance(run: RunFiles) -> str:
+    """Where the figures come from: versions, scene, time."""
+    digest = hashlib.sha256(run.results.scene_toml.encode()).hexdigest()[:12]
+    written = datetime.fromtimestamp((run.folder / "results.h5").stat().st_mtime, UTC)
+    return (
+        f"diaphragm-tank {run.results.version} · model {run.model} · scene sha256 {digest} · "
+        f"results.h5 written {written:%Y-%m-%d %H:%M} UTC · report built with Python "
+        f"{platform.python_version()}, NumPy {np.__version__}, h5py {h5py.__version__}"
+    )

@@ -1,0 +1,144 @@
+"""The scene and the run in tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from coupling.metrics.bernoulli import effective_gravity
+from coupling.numbers import numbers_of, potential_to_kinetic
+from coupling.report.files import RunFiles
+from coupling.report.page import Table, number, percent
+
+
+def scene_tables(run: RunFiles) -> list[Table]:
+    """What was simulated, and the numbers that follow from it."""
+    scene = run.scene
+    motion, liquid, rubber, time = scene.motion, scene.liquid, scene.diaphragm, scene.time
+    shaking = {
+        "sine": f"{number(motion.frequency, 'Hz')}, {number(1e3 * (motion.amplitude or 0), 'mm')} "
+        "centre to peak",
+        "table": f"table {motion.file}",
+        "rest": "none",
+    }[motion.kind]
+    rows = [
+        ["Tank radius", number(1e3 * scene.tank.radius, "mm", 4)],
+        ["Fill fraction", number(liquid.fill_fraction)],
+        ["Liquid", f"{liquid.name or ''} {number(liquid.density, 'kg/m³', 4)}".strip()],
+        ["Kinematic viscosity", number(liquid.viscosity, "m²/s")],
+        ["Diaphragm’s thickness", number(1e3 * rubber.thickness, "mm", 4)],
+        ["Diaphragm’s density", number(rubber.density, "kg/m³", 4)],
+        ["Young’s modulus", number(rubber.youngs_modulus / 1e6, "MPa")],
+        ["Shaking", shaking],
+        ["Step, duration", f"{number(1e3 * time.step, 'ms')}, {number(time.duration, 's')}"],
+        ["Fluid model", scene.model.fluid],
+        ["Cloth rings; flow cells", f"{scene.cloth.resolution}; {scene.openfoam.cells}"],
+    ]
+    numbers = numbers_of(scene)
+    derived = [
+        ["First slosh frequency f₁", number(numbers.slosh_frequency, "Hz")],
+        ["f/f₁", number(numbers.frequency_ratio)],
+        ["Neglected term by the rule (f/f₁)²", percent(numbers.hydrostatic_error)],
+        ["Bond number", number(numbers.bond)],
+        ["Weber number", number(numbers.weber)],
+        ["ρgR²/(Et)", number(numbers.membrane_parameter)],
+        ["Wrinkle wavelength", number(1e3 * numbers.elasto_gravity_wavelength, "mm")],
+        ["Added over rubber mass", number(numbers.added_mass_ratio)],
+    ]
+    return [Table(rows=rows, numbers=True), Table(rows=derived, numbers=True)]
+
+
+def bernoulli_table(run: RunFiles) -> Table:
+    """The thesis' estimate beside what was measured."""
+    scene, figures = run.scene, run.summary["bernoulli"]
+    force = effective_gravity(np.array(scene.gravity), run.results.tank_acceleration)
+    radius, frequency = scene.tank.radius, scene.motion.frequency
+    rows = []
+    if scene.motion.kind == "sine" and frequency:
+        known: dict[str, Any] = {"body_force": force, "radius": radius, "frequency": frequency}
+        rows += [
+            [
+                "Eq. 4.6 as printed: a quarter of the radius a period",
+                number(potential_to_kinetic(travel=0.25 * radius, **known), digits=4),
+            ],
+            [
+                "Eq. 4.6 by its text: a quarter of the diameter a period",
+                number(potential_to_kinetic(travel=0.5 * radius, **known), digits=4),
+            ],
+        ]
+    rows += [
+        ["With the measured speed (kinetic term)", number(figures["kinetic_ratio"])],
+        ["With the measured ∂φ/∂t (unsteady term)", number(figures["unsteady_ratio"])],
+    ]
+    return Table(
+        head=["Hydrostatic pressure over …", "ratio"],
+        rows=rows,
+        note="The larger, the better hydrostatics. Eq. 4.6 (thesis, chapter 4) guesses the speed "
+        "and compares kinetic energy alone; the unsteady term is the added mass. A dash: this "
+        "model has no flow to measure.",
+    )
+
+
+def motion_table(run: RunFiles) -> Table:
+    """Amplitude and phase of CG and force by component."""
+    cg, force = run.summary["cg"], run.summary["force"]
+    rows = []
+    for axis, name in enumerate("xyz"):
+        rows.append(
+            [
+                name,
+                _amplitude(cg["amplitude_m"], axis, 1e3),
+                _phase(cg["phase_deg"][axis]),
+                _amplitude(force["amplitude_N"], axis),
+                _phase(force["phase_deg"][axis]),
+            ]
+        )
+    periods = run.summary.get("fitted_periods")
+    how = (
+        f"First harmonic over the last {periods} whole periods; the phase is against the tank’s "
+        "displacement, negative where it lags. CG in the tank frame."
+        if periods
+        else "Half the peak-to-peak range: there is no whole period to fit."
+    )
+    head = ["", "CG (mm)", "phase (°)", "force (N)", "phase (°)"]
+    return Table(head=head, rows=rows, note=how)
+
+
+def _amplitude(values: list[float | None], axis: int, scale: float = 1.0) -> str:
+    """One component; what is rounding beside the largest is 0."""
+    known, value = [item for item in values if item is not None], values[axis]
+    if value is None:
+        return "–"
+    return number(scale * value) if value > 1e-9 * max(known) else "0"
+
+
+def _phase(value: float | None) -> str:
+    return "–" if value is None else f"{round(value, 1) + 0.0:.1f}".replace("-", "−")
+
+
+def cost_table(run: RunFiles) -> Table:
+    """Wall time by part."""
+    summary = run.summary
+    total = float(summary["wall_s"]) or 1.0
+    parts = {name: float(value) for name, value in summary["wall_by_part"].items()}
+    parts["the rest"] = max(0.0, total - sum(parts.values()))
+    rows = [[name, number(value, "s"), percent(value / total)] for name, value in parts.items()]
+    rows.append(["together", number(summary["wall_s"], "s"), ""])
+    return Table(head=["Part", "wall time", "share"], rows=rows)
+
+
+def quality_table(run: RunFiles) -> Table:
+    """How well the step was solved."""
+    summary, coupling = run.summary, run.summary["coupling"]
+    rows = [
+        ["Scheme", str(coupling["scheme"])],
+        ["Steps", number(summary["steps"], digits=6)],
+        ["Iterations a step, mean", number(coupling["iterations_mean"])],
+        ["Iterations a step, most", number(coupling["iterations_max"])],
+        ["Steps that did not converge", number(coupling["unconverged_steps"])],
+        ["Largest tensile strain", percent(summary["strain_tensile_max"])],
+        ["Largest volume error", number(summary["volume_error_max"])],
+        ["Force against momentum", percent(summary["force"].get("momentum_imbalance"))],
+    ]
+    return Table(head=["Quality", ""], rows=rows)

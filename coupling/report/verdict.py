@@ -1,0 +1,73 @@
+"""The sentence on top: how wrong the hydrostatic assumption is."""
+
+from __future__ import annotations
+
+from coupling.numbers import numbers_of
+from coupling.report.files import RunFiles
+from coupling.report.page import number, percent
+
+ENOUGH = 0.05
+
+
+def verdict(run: RunFiles) -> tuple[str, str]:
+    """Headline and explanation for a run."""
+    figures = run.summary["bernoulli"]
+    momentum, dynamic = figures["neglected_momentum"], figures["dynamic_fraction"]
+    if run.scene.motion.kind == "rest":
+        return (
+            "The tank is at rest: the pressure is hydrostatic.",
+            "There is no motion against which the assumption could fail.",
+        )
+    if momentum is None:
+        return (
+            "Too little was computed to judge the hydrostatic assumption.",
+            "It takes some instants of a moving tank.",
+        )
+    if run.model in ("datum", "hydrostatic"):
+        return _of_hydrostatics(run, momentum)
+    size = max(momentum, dynamic or 0.0)
+    headline = (
+        f"Hydrostatics holds here: it leaves out {percent(size)} at the most."
+        if size < ENOUGH
+        else f"Hydrostatics fails here: it leaves out {percent(momentum)} of the liquid's momentum."
+    )
+    return headline, (
+        f"The liquid's centre of gravity accelerates within the tank at {percent(momentum)} of the "
+        "tank's own acceleration, and hydrostatics holds no force for that. "
+        f"The pressure left out is {percent(dynamic)} (rms) of the hydrostatic pressure's "
+        "variation over the diaphragm."
+    )
+
+
+def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
+    expected = numbers_of(run.scene).hydrostatic_error
+    headline = (
+        f"This run assumes hydrostatic pressure and contradicts it: {percent(momentum)} of the "
+        "liquid's momentum is unaccounted for."
+        if momentum >= ENOUGH
+        else f"This run assumes hydrostatic pressure; {percent(momentum)} of the liquid's momentum "
+        "is unaccounted for."
+    )
+    rule = (
+        f" The rule (f/f₁)² expects the neglected pressure at {percent(expected)} of the "
+        "hydrostatic variation."
+        if expected is not None
+        else ""
+    )
+    return headline, (
+        "The centre of gravity that it finds accelerates within the tank, which would take a "
+        f"force that its pressure does not hold.{rule} Only a model with a flow measures the rest."
+    )
+
+
+def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
+    """The key figures under the verdict: name, value, remark."""
+    figures = run.summary["bernoulli"]
+    cg = run.summary["cg"]["amplitude_m"]
+    largest = None if None in cg else max(cg)
+    return [
+        ("Neglected momentum", percent(figures["neglected_momentum"]), "c″ over the tank’s own"),
+        ("Dynamic over hydrostatic pressure", percent(figures["dynamic_fraction"]), "rms"),
+        ("CG amplitude in the tank", number(None if largest is None else 1e3 * largest, "mm"), ""),
+        ("Hydrostatic over unsteady term", number(figures["unsteady_ratio"]), "measured"),
+    ]
