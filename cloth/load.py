@@ -48,17 +48,17 @@ DRY = Settings(
     penalty=2000.0,
     relaxation=1.7,
     contact_weight=2.0,
-    bending_damping=0.01,
+    bending_damping=0.03,
     drag=5.0,
     iterations=20,
-    iterations_max=120,
+    iterations_max=200,
 )
 WET = Settings(
-    penalty=6e4,
-    relaxation=1.0,
-    contact_weight=20.0,
+    penalty=1e4,
+    relaxation=1.7,
+    contact_weight=3.0,
     bending_damping=0.05,
     drag=100.0,
     iterations=20,
-    iterations_max=120,
+    iterations_max=200,
 )
