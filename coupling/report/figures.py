@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from coupling.ports import Array
 from coupling.report.files import RunFiles, pressure_rms
@@ -17,6 +19,7 @@ from coupling.report.style import (
     INK,
     LIGHT,
     MODEL_COLOURS,
+    MODEL_LINES,
     ORANGE,
     legend_above,
     new_figure,
@@ -142,25 +145,53 @@ def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, capti
     figure = new_figure(height=2.7)
     axes = figure.subplots()
     for run, curve in zip(runs, curves, strict=True):
-        colour = MODEL_COLOURS.get(run.model, INK)
-        axes.plot(*thinned(run.results.time, curve), color=colour, label=run.model)
+        x, y = thinned(run.results.time, curve)
+        axes.plot(x, y, **model_line(run.model))
     _finish(axes, label)
     return Picture(source=svg(figure), caption=caption, alt=caption)
+
+
+def model_line(model: str) -> dict[str, Any]:
+    """Colour, dashes and label of a model's curve, the same in all figures."""
+    colour, dashes = MODEL_COLOURS.get(model, INK), MODEL_LINES.get(model, "-")
+    return {"color": colour, "linestyle": dashes, "label": model}
+
+
+def model_legend(models: Sequence[str]) -> Picture:
+    """The models' lines by name."""
+    figure = new_figure(height=0.35)
+    lines = [Line2D([], [], **model_line(model)) for model in models]
+    figure.legend(handles=lines, loc="center", ncols=len(lines))
+    return Picture(source=svg(figure), caption="", alt="Models: " + ", ".join(models))
 
 
 def speed_figure(points: Sequence[tuple[str, float, float]]) -> Picture:
     """Worst relative error against wall time, one (model, wall time [s], error) a point."""
     figure = new_figure(height=2.7)
     axes = figure.subplots()
+    points_x, points_y = [wall for _, wall, _ in points], [100.0 * e for _, _, e in points]
     for model, wall, error in points:
         colour = MODEL_COLOURS.get(model, INK)
-        axes.loglog(wall, 100.0 * error, "o", color=colour, markersize=8)
-        axes.annotate(model, (wall, 100.0 * error), (7, 6), textcoords="offset points")
+        axes.loglog(wall, 100.0 * error, "o", color=colour, markersize=8, label=model)
+    legend_above(axes)
     axes.axhline(5.0, color=LIGHT, linewidth=1.2)
-    axes.margins(0.25)
+    axes.margins(0.3)
+    for axis, values in ((axes.xaxis, points_x), (axes.yaxis, points_y)):
+        axis.set_major_formatter(FuncFormatter(_plain))
+        if max(values) > 5.0 * min(values):
+            axis.set_minor_formatter(NullFormatter())
+        else:
+            axis.set_minor_formatter(FuncFormatter(_plain))
     axes.set(xlabel="wall time (s)", ylabel="worst error (%)")
-    text = "Speed against error: lower and further left is better. The grey line is 5 %."
+    text = (
+        "Speed against error: lower and further left is better. The reference stands at its own "
+        "discretisation error; the grey line is 5\u202f%."
+    )
     return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _plain(value: float, _: int) -> str:
+    return f"{value:g}"
 
 
 def _finish(axes: Any, label: str) -> None:

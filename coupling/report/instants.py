@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from coupling.ports import Array
+from coupling.report.figures import model_line
 from coupling.report.files import RunFiles
 from coupling.report.page import Picture
 from coupling.report.picture import draw_tank, period_rows, pressure_colours
 from coupling.report.section_cut import cut, horizontal
-from coupling.report.style import BLUE, GREY, INK, MODEL_COLOURS, legend_above, new_figure, png, svg
+from coupling.report.style import BLUE, GREY, INK, new_figure, png, svg
 
 COUNT = 4
 
@@ -60,22 +61,19 @@ def sections(run: RunFiles) -> list[Picture]:
 
 
 def overlaid_sections(runs: Sequence[RunFiles]) -> list[Picture]:
-    """All models' sections at the instants of the last run of ``runs``."""
-    last = runs[-1].results
-    along = horizontal(np.ptp(last.tank_displacement, axis=0))
+    """All models' sections at the instants of the first run of ``runs``."""
+    first = runs[0].results
+    along = horizontal(np.ptp(first.tank_displacement, axis=0))
     pictures = []
-    for place, row in enumerate(period_rows(last, COUNT)):
-        instant = float(last.time[row])
-        figure = Figure(figsize=(2.4, 2.65))
-        axes = figure.add_axes((0.0, 0.0, 1.0, 0.9))
-        _shell(axes, runs[-1].scene.tank.radius)
+    for row in period_rows(first, COUNT):
+        instant = float(first.time[row])
+        figure = Figure(figsize=(2.4, 2.4))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        _shell(axes, runs[0].scene.tank.radius)
         for run in runs:
             near = int(np.argmin(np.abs(run.results.time - instant)))
-            colour = MODEL_COLOURS.get(run.model, INK)
             for curve in cut(run.results.position[near], run.results.triangles, along):
-                axes.plot(*curve.T, color=colour, linewidth=1.5, label=run.model)
-        if place == 0:
-            legend_above(axes, columns=3)
+                axes.plot(*curve.T, linewidth=1.5, **model_line(run.model))
         text = f"t = {instant:.3f} s"
         pictures.append(Picture(source=svg(figure), caption=text, alt=f"Sections at {text}"))
     return pictures

@@ -32,12 +32,12 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
         for name, row in rows.items()
         if row["status"] == "completed" and (folder / name / "results.h5").is_file()
     ]
-    runs.sort(key=lambda run: run.model == study["reference"])  # on top of the others
+    runs.sort(key=lambda run: run.model != study["reference"])  # the others lie on top of it
     failed = [f"{name}: {row['failure']}" for name, row in rows.items() if row.get("failure")]
     sections = [_errors(study)]
     if runs:
-        sections += [*_curves(runs, study), _shapes(runs), _scene(runs[-1])]
-    title = runs[-1].scene.title if runs else ""
+        sections += [*_curves(runs, study), _shapes(runs), _scene(runs[0])]
+    title = runs[0].scene.title if runs else ""
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",
         subtitle=f"{', '.join(rows)} · errors against {study['reference'] or 'nothing'}",
@@ -45,7 +45,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
         explanation=_measured(study),
         alarm="; ".join(failed),
         sections=sections,
-        footer=provenance(runs[-1]) if runs else "",
+        footer=provenance(runs[0]) if runs else "",
     )
 
 
@@ -102,7 +102,7 @@ def _curves(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]
     moving = [run for run in runs if len(run.results.time) > 1]
     if not moving:
         return []
-    axis = int(np.argmax(np.ptp(moving[-1].results.tank_displacement, axis=0)))
+    axis = int(np.argmax(np.ptp(moving[0].results.tank_displacement, axis=0)))
     name = "xyz"[axis]
     middle = [run.results.liquid_cg[:, axis].mean() for run in moving]
     cg = [1e3 * (r.results.liquid_cg[:, axis] - m) for r, m in zip(moving, middle, strict=True)]
@@ -121,7 +121,10 @@ def _curves(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]
 def _speed(study: Mapping[str, Any]) -> list[Picture]:
     points = []
     for name, row in study["models"].items():
-        error = worst(row) if name != study["reference"] else None
+        own = [worst({"error": errors}) for errors in study["discretisation"].values()]
+        error = worst(row)
+        if name == study["reference"]:
+            error = max((one for one in own if one), key=lambda one: one[1], default=None)
         if error is not None and error[1] > 0.0 and row.get("wall_s"):
             points.append((name, float(row["wall_s"]), error[1]))
     return [figures.speed_figure(points)] if points else []
@@ -134,6 +137,7 @@ def _shapes(runs: Sequence[RunFiles]) -> Section:
         text="Cut in the plane of shaking, all models at the same instants of the last period.",
         pictures=instants.overlaid_sections(seen) if seen else [],
         columns=4,
+        scale=figures.model_legend([run.model for run in seen]) if seen else None,
     )
 
 

@@ -21,6 +21,8 @@ MODEL_COLOURS = {
     "potential": "#009E73",
     "openfoam": "#0072B2",
 }
+# solid for the best, so that a dashed curve on top of it shows both
+MODEL_LINES = {"datum": ":", "hydrostatic": "--", "potential": "-.", "openfoam": "-"}
 INK, GREY, LIGHT = "#1c2329", "#6b757d", "#d5dade"
 BLUE, ORANGE = "#0072B2", "#D55E00"
 # x, y and z of one vector differ by line and tone, which also survives a black and white printer
