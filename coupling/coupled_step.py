@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from coupling.convergence import Convergence
-from coupling.mapping import MovingLeastSquares
+from coupling.mapping import Matching, MovingLeastSquares
 from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, Scheme, Structure
 from coupling.interface import pressure_force
 
@@ -42,7 +42,7 @@ class CoupledStep:
         self,
         structure: Structure,
         flow: Flow,
-        mapping: MovingLeastSquares,
+        mapping: MovingLeastSquares | Matching,
         scheme: Scheme,
         *,
         added_mass: bool,

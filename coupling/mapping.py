@@ -71,3 +71,19 @@ class MovingLeastSquares:
     def rows_to_cloth(self, rows: Array) -> Array:
         """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
         return np.ascontiguousarray(np.matmul(self.weights.T, rows))
+
+
+class Matching:
+    """The map of a structure whose nodes are the flow's points."""
+
+    def to_flow(self, nodes: Array) -> Array:
+        """The nodes themselves (p, 3)."""
+        return nodes
+
+    def to_cloth(self, force: Array) -> Array:
+        """The forces themselves (p, 3)."""
+        return force
+
+    def rows_to_cloth(self, rows: Array) -> Array:
+        """The rows themselves (r, p, 3)."""
+        return rows

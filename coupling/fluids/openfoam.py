@@ -22,7 +22,7 @@ from coupling.foam.geometry import (
     non_orthogonality,
     swept_volumes,
 )
-from coupling.foam.mesh import LiquidMesh, ball, divisions
+from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.interface import pressure_force, swept_gradient
 from coupling.ports import Array, FlowSample, Ints, RunFailed
@@ -31,49 +31,67 @@ CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenF
 
 
 class OpenFoamFlow:
-    """The liquid below ``patch``, the diaphragm's points at the start (see ``reference_patch``).
+    """The liquid on one of the meshes, in an OpenFOAM case in ``folder``.
 
-    ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``radius`` [m] of the shell. ``cells`` is an upper
-    bound. The flow starts at rest. With ``resumed`` nothing is written before ``restore``.
+    ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``radius`` [m] of the shell, ``timeout`` [s] of
+    one solver call. Nothing is written before ``start`` or ``restore``.
     """
 
     def __init__(
         self,
         folder: Path,
+        mesh: LiquidMesh,
         *,
         openfoam: OpenFoam,
-        cells: int,
         radius: float,
         density: float,
         viscosity: float,
         timeout: float,
     ) -> None:
-        self.mesh: LiquidMesh = ball(*divisions(cells))
-        self.case = Case(folder, self.mesh, openfoam=openfoam, timeout=timeout)
+        self.mesh = mesh
+        self.case = Case(folder, mesh, openfoam=openfoam, timeout=timeout)
         self.radius, self.density, self.viscosity = radius, density, viscosity
-        self.faces: Ints = self.mesh.patch_faces
-        self.points: Array = self.reference_patch
+        self.faces: Ints = mesh.patch_faces
+        self._boundary: Ints = mesh.faces[mesh.inner_faces :]
         self._kept: set[float] = {0.0}
 
     @property
-    def reference_patch(self) -> Array:
-        """The patch's points (p, 3) [m] in the moulded shape."""
-        return self.radius * self.mesh.points[self.mesh.patch_points]
+    def moulded_face_centres(self) -> Array:
+        """Where the interface's faces lie in the moulded shape (F, 3) [m]."""
+        return np.asarray(self.radius * self.mesh.moulded[self.faces].mean(axis=1))
 
-    def start(self, patch: Array) -> None:
-        """Write the case for a liquid at rest below ``patch`` (p, 3) [m], its rim on the shell."""
+    @property
+    def non_orthogonality_max(self) -> float:
+        """Largest non-orthogonality [deg] of the committed mesh."""
+        return float(non_orthogonality(self.mesh, self._geometry).max())
+
+    def start(self, patch: Array, shell: Array, volume: float) -> None:
+        """Write the case for a liquid at rest below ``patch`` (p, 3) [m], its rim on the shell.
+
+        ``shell`` (s, 3) [m] are the shell's other points; a common factor takes them off the
+        sphere until the mesh, an inscribed polyhedron, holds the liquid's ``volume`` [m^3].
+        """
         self.time, self.steps = 0.0, 0
         self.points = self._initial = patch
-        points = self.mesh.place(self.radius, self.points)
-        geometry = self._checked_geometry(points, "t = 0 s")
-        self.volume = float(geometry.volume.sum())
-        self._all_points = points
-        self._fan = fan_volume(points[self._boundary])
+        self._shell = self._raised(shell, volume)
+        self._all_points = self.mesh.place(self.radius, patch, self._shell)
+        self._geometry = self._checked_geometry(self._all_points, "t = 0 s")
+        self.volume = float(self._geometry.volume.sum())
+        self._fan = fan_volume(self._all_points[self._boundary])
         count = len(self.faces)
         self._swept = np.zeros(count)
         self._flux = np.zeros((2, count))  # boundary flux [m^3/s] at the last step, the one before
-        self._geometry = geometry
-        self.case.create(points, viscosity=self.viscosity, radius=self.radius)
+        self.case.create(self._all_points, viscosity=self.viscosity, radius=self.radius)
+
+    def _raised(self, shell: Array, volume: float) -> Array:
+        factor = 1.0
+        for _ in range(20):
+            points = self.mesh.place(self.radius, self.points, factor * shell)
+            missing = volume - fan_volume(points[self._boundary])
+            if abs(missing) < 1e-12 * volume:
+                break
+            factor *= 1 + missing / (3 * volume)
+        return factor * shell
 
     def begin_step(self, time: float, dt: float) -> None:
         """Start a step of ``dt`` [s] from the committed fields at ``time`` [s]."""
@@ -93,20 +111,17 @@ class OpenFoamFlow:
             points = points - height * excess / float((normal * height).sum())
         return points
 
-    @property
-    def _boundary(self) -> Ints:
-        return self.mesh.faces[self.mesh.inner_faces :]
-
     def _excess(self, patch: Array) -> float:
         """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
-        points = self.radius * self.mesh.points
+        points = np.empty_like(self.mesh.points)
+        points[self.mesh.shell_points] = self._shell
         points[self.mesh.patch_points] = patch
         return fan_volume(points[self._boundary]) - self._fan
 
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
         moment = f"t = {self.time + self.dt:.6g} s"
-        all_points = self.mesh.place(self.radius, points)
+        all_points = self.mesh.place(self.radius, points, self._shell)
         swept = swept_volumes(self._all_points[self._boundary], all_points[self._boundary])
         self._swept_now = swept[: self.mesh.diaphragm_faces]
         missed = abs(swept.sum()) / self.volume
@@ -177,7 +192,7 @@ class OpenFoamFlow:
             volume=volume,
             volume_error=abs(self._excess(self.points)) / self.volume,
             liquid_cg=geometry.volume @ geometry.centre / volume,
-            non_orthogonality_max=float(non_orthogonality(mesh, geometry).max()),
+            non_orthogonality_max=self.non_orthogonality_max,
         )
 
     def interface_force(self, points: Array, pressure: Array) -> Array:
@@ -203,6 +218,8 @@ class OpenFoamFlow:
         saved: dict[str, Array] = {
             "time": np.array([self.time, self.steps]),
             "initial": self._initial,
+            "shell": self._shell,
+            "volume": np.array([self.volume]),
             "points": self.points,
             "swept": self._swept,
             "flux": self._flux,
@@ -215,10 +232,10 @@ class OpenFoamFlow:
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``: the case is written anew, later times are gone."""
-        self.start(saved["initial"])
+        self.start(saved["initial"], saved["shell"], float(saved["volume"][0]))
         self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
         self.points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
-        self._all_points = self.mesh.place(self.radius, self.points)
+        self._all_points = self.mesh.place(self.radius, self.points, self._shell)
         self._geometry = cell_geometry(self.mesh, self._all_points)
         self._kept = {0.0, self.time}
         folder = self.case.time_folder(self.time)

@@ -1,15 +1,18 @@
-"""The liquid's hexahedral mesh: a cubed ball whose upper half is the diaphragm.
+"""The liquid's hexahedral mesh: a cubed ball, or its lower half, that follows the diaphragm.
 
-The topology never changes: a cube of n^3 cells wrapped in m layers of 6 n^2. The upper half of its
-surface is the patch ``diaphragm``, the lower half the patch ``shell``, and they meet in the rim.
+Two topologies, neither ever changed in a run. The ``ball`` is a cube of n^3 cells wrapped in m
+layers of 6 n^2; the upper half of its surface is the patch ``diaphragm``. It suits a diaphragm that
+lies on the upper shell at its rim. The ``half_ball`` is cut from it at the equator and suits a
+diaphragm that leaves the wall at a right angle, which would squash the ball's cells at the rim.
+
 Points are linear in the boundary's, so that the mesh depends on where the diaphragm is and never
-on how it came there: the layers shrink homothetically towards a centre that follows the diaphragm
-(valid while the liquid is star-shaped about it), the cube inside is their harmonic extension.
+on how it came there. In the ball the layers shrink towards a centre that follows the diaphragm
+(valid while the liquid is star-shaped about it); what is left is a harmonic extension.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -32,6 +35,7 @@ _EDGES = np.array(
 CUBE_SIZE = 0.4  # half the inner cube's edge over R, on its axes
 CUBE_BULGE = 0.5  # 0: a cube, 1: a sphere; between them the cells at its edges stay open
 CENTRE_FOLLOWS = 1.0  # the centre's displacement over the diaphragm's mean displacement
+EXTENSION_EXPONENT = 2.0  # an edge of length l weighs l^-2: short edges stay as they are
 LAYER_EXPONENT = 1.5  # a point at radius r R takes r^1.5 of the boundary's displacement
 
 
@@ -41,7 +45,8 @@ class LiquidMesh:
 
     ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
     ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``edges`` (E, 2); ``ray`` (P,): the boundary
-    point on the ray of a point in the layers, -1 inside the cube.
+    point on the ray of a point in the layers, -1 elsewhere; ``moulded`` (p, 3): where the patch's
+    points lie in the moulded shape, on the unit hemisphere.
     """
 
     points: Array
@@ -52,6 +57,7 @@ class LiquidMesh:
     diaphragm_faces: int
     edges: Ints = field(repr=False)
     ray: Ints = field(repr=False)
+    moulded: Array = field(repr=False)
 
     @property
     def inner_faces(self) -> int:
@@ -83,18 +89,27 @@ class LiquidMesh:
         """Which of ``patch_points`` lie on the rim (p,)."""
         return np.isin(self.patch_points, np.unique(self.faces[self.shell]))
 
-    def place(self, radius: float, patch: Array) -> Array:
+    @cached_property
+    def shell_points(self) -> Ints:
+        """Points of the patch ``shell`` without the rim (s,)."""
+        return np.setdiff1d(self.faces[self.shell], self.patch_points)
+
+    def place(self, radius: float, patch: Array, shell: Array | None = None) -> Array:
         """All points (P, 3) [m] for the diaphragm's ``patch`` points (p, 3) [m].
 
-        The shell's points stay on the sphere. Cells are not checked: see ``cell_geometry``.
+        The shell's points stay where the reference ball has them, or go to ``shell`` (s, 3) [m].
+        Cells are not checked: see ``cell_geometry``.
         """
         moved = np.zeros_like(self.points)
         moved[self.patch_points] = patch - radius * self.points[self.patch_points]
-        centre = self._centre_weight @ moved[self.patch_points]
-        layers, cube, solver, coupling = self._extension
-        share = np.linalg.norm(self.points[layers], axis=1, keepdims=True) ** LAYER_EXPONENT
-        moved[layers] = share * moved[self.ray[layers]] + (1 - share) * centre
-        moved[cube] = solver.solve(-np.asarray(coupling @ moved[layers]))
+        if shell is not None:
+            moved[self.shell_points] = shell - radius * self.points[self.shell_points]
+        known, unknown, solver, coupling = self._extension
+        if (self.ray >= 0).any():
+            centre = self._centre_weight @ moved[self.patch_points]
+            share = np.linalg.norm(self.points[known], axis=1, keepdims=True) ** LAYER_EXPONENT
+            moved[known] = share * moved[self.ray[known]] + (1 - share) * centre
+        moved[unknown] = solver.solve(-np.asarray(coupling @ moved[known]))
         return radius * self.points + moved
 
     @cached_property
@@ -108,37 +123,66 @@ class LiquidMesh:
 
     @cached_property
     def _extension(self) -> tuple[Ints, Ints, SuperLU, csc_array]:
-        """Points of the layers and of the cube, and the cube's harmonic extension."""
-        layers, cube = np.flatnonzero(self.ray >= 0), np.flatnonzero(self.ray < 0)
-        rows, columns = np.r_[self.edges, self.edges[:, ::-1]].T
+        """Points placed directly, the others, and their harmonic extension."""
+        known = np.flatnonzero(self.ray >= 0)
+        if len(known) == 0:
+            known = np.unique(self.faces[self.inner_faces :])
+        unknown = np.setdiff1d(np.arange(len(self.points)), known)
+        first, second = self.edges.T
+        length = np.linalg.norm(self.points[first] - self.points[second], axis=1)
+        weight = np.tile(length**-EXTENSION_EXPONENT, 2)
+        rows, columns = np.r_[first, second], np.r_[second, first]
         size = (len(self.points),) * 2
-        adjacency = coo_array((np.ones(len(rows)), (rows, columns)), shape=size)
+        adjacency = coo_array((weight, (rows, columns)), shape=size)
         diagonal = (np.arange(size[0]),) * 2
-        degree = coo_array((np.bincount(rows).astype(float), diagonal), shape=size)
-        block = csc_array(degree - adjacency)[cube]
-        return layers, cube, splu(csc_array(block[:, cube])), csc_array(block[:, layers])
+        degree = coo_array((np.bincount(rows, weight), diagonal), shape=size)
+        block = csc_array(degree - adjacency)[unknown]
+        return known, unknown, splu(csc_array(block[:, unknown])), csc_array(block[:, known])
 
 
-def divisions(cells: int) -> tuple[int, int]:
-    """The finest (n, m), n even and m = 0.8 n, with n^3 + 6 n^2 m <= ``cells``.
+def ball(cells: int) -> LiquidMesh:
+    """The finest cubed ball of at most ``cells`` cells: n even, m = 0.8 n."""
+    points, hexes, ray = _blocks(*_divisions(cells, 1.0, 0.8))
+    mesh = _assemble(points, hexes, ray, top=1e-9)
+    return replace(mesh, moulded=mesh.points[mesh.patch_points])
 
-    With 0.8 n layers the cells at the diaphragm are about as deep as wide.
+
+def half_ball(cells: int) -> LiquidMesh:
+    """The finest lower half of a cubed ball of at most ``cells`` cells: n even, m = 0.65 n.
+
+    A point of the flat top at the distance r from the axis is moulded at the polar angle r pi/2.
     """
+    points, hexes, _ = _blocks(*_divisions(cells, 0.5, 0.65))
+    hexes = hexes[points[hexes].mean(axis=1)[:, 2] < 0]
+    used = np.unique(hexes)
+    mesh = _assemble(
+        points[used], np.searchsorted(used, hexes), np.full(len(used), -1), top=-1e-9
+    )
+    disc = mesh.points[mesh.patch_points]
+    distance = np.linalg.norm(disc, axis=1)
+    angle = distance * np.pi / 2
+    moulded = disc * (np.sin(angle) / np.maximum(distance, 1e-12))[:, None]
+    moulded[:, 2] = np.cos(angle)
+    moulded[mesh.rim, 2] = 0.0
+    return replace(mesh, moulded=moulded)
+
+
+def _divisions(cells: int, part: float, layers: float) -> tuple[int, int]:
+    """n and m = ``layers`` n of the finest mesh with ``part`` (n^3 + 6 n^2 m) <= ``cells``."""
+
+    def size(n: int) -> float:
+        return part * (n**3 + 6 * n * n * round(layers * n))
+
     n = 2
-    if _size(n) > cells:
-        raise ValueError(f"the coarsest mesh has {_size(2)} cells, got {cells}")
-    while _size(n + 2) <= cells:
+    if size(n) > cells:
+        raise ValueError(f"the coarsest mesh has {size(n):.0f} cells, got {cells}")
+    while size(n + 2) <= cells:
         n += 2
-    return n, round(0.8 * n)
+    return n, round(layers * n)
 
 
-def _size(n: int) -> int:
-    return n**3 + 6 * n * n * round(0.8 * n)
-
-
-def ball(n: int, m: int) -> LiquidMesh:
-    """Cubed ball of radius 1 with n^3 cells in its cube and m layers round it (n even)."""
-    points, hexes, ray = _blocks(n, m)
+def _assemble(points: Array, hexes: Ints, ray: Ints, *, top: float) -> LiquidMesh:
+    """Faces in OpenFOAM's order; boundary faces whose centre is above ``top`` are diaphragm."""
     flat = hexes[:, _FACES].reshape(-1, 4)
     cell = np.repeat(np.arange(len(hexes)), 6)
     _, group, count = np.unique(
@@ -150,7 +194,7 @@ def ball(n: int, m: int) -> LiquidMesh:
     owner, neighbour = cell[pairs].T
     sort = np.lexsort((neighbour, owner))
     outer = np.sort(order[~twin])
-    above = points[flat[outer]].mean(axis=1)[:, 2] > 0
+    above = points[flat[outer]].mean(axis=1)[:, 2] > top
     patches = (outer[above], outer[~above])
     return LiquidMesh(
         points=points,
@@ -161,6 +205,7 @@ def ball(n: int, m: int) -> LiquidMesh:
         diaphragm_faces=len(patches[0]),
         edges=np.unique(np.sort(hexes[:, _EDGES].reshape(-1, 2), axis=1), axis=0),
         ray=ray,
+        moulded=np.empty((0, 3)),
     )
 
 

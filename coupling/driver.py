@@ -1,0 +1,297 @@
+"""The time loop: the only place where all parts meet."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from coupling import checkpoint
+from coupling.atomic import write_json
+from coupling.convergence import Convergence
+from coupling.coupled_step import CoupledStep
+from coupling.iteration_log import IterationLog
+from coupling.liquid import flow_of, load_model, start_flow
+from coupling.mapping import MovingLeastSquares
+from coupling.metrics.summary import summarise
+from coupling.motion import motion_of
+from coupling.ports import Array, FlowSample, HydrostaticLoad, RunFailed, RunStatistics, Sample
+from coupling.results import ResultsWriter, read_results
+from coupling.scene import Scene, load_scene, scene_toml, write_scene
+from coupling.schemes import scheme_named
+from coupling.structure import diaphragm_of, liquid_cg, settle_diaphragm
+
+Progress = Callable[[str, float, float, str], None]
+_log = logging.getLogger(__name__)
+
+
+def run(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
+    """Settle the diaphragm, then shake the tank; results go to ``folder``.
+
+    Returns what ``summary.json`` holds. A run that fails has the status ``failed`` and its reason
+    there; what was computed is kept. KeyboardInterrupt passes through after a checkpoint.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_scene(scene, folder)
+    with _log_file(folder):
+        return _Run(scene, folder, progress).from_start()
+
+
+def resume(folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
+    """Go on from the last checkpoint in ``folder``; as ``run``."""
+    with _log_file(folder):
+        return _Run(load_scene(folder), folder, progress).from_checkpoint()
+
+
+class _Run:
+    """One run: its parts, and the loop over its steps."""
+
+    def __init__(self, scene: Scene, folder: Path, progress: Progress | None) -> None:
+        self.scene, self.folder = scene, folder
+        self.progress = progress or (lambda *_: None)
+        self.motion = motion_of(scene)
+        self.model = load_model(scene)
+        self.cloth = diaphragm_of(scene)
+        self.statistics = RunStatistics()
+        self.coupled: CoupledStep | None = None
+        self.clock = perf_counter()
+
+    def from_start(self) -> dict[str, Any]:
+        self.results = ResultsWriter(
+            self.folder, scene_toml=scene_toml(self.scene), model=self.scene.model.fluid,
+            reference=self.cloth.reference, triangles=self.cloth.triangles,
+        )  # fmt: skip
+        self.iterations = IterationLog(self.folder)
+        return self._guarded(self._begin)
+
+    def _begin(self) -> None:
+        self.progress("settle", 0.0, self.scene.time.settle, "the diaphragm sinks to its level")
+        clock = perf_counter()
+        settle_diaphragm(self.cloth, self.scene, self._load(0.0, at_rest=True))
+        self._count("structure", clock)
+        self.progress("settle", self.scene.time.settle, self.scene.time.settle, "settled")
+        self._couple()
+        if self.coupled is not None:
+            clock = perf_counter()
+            start_flow(self.flow, self.mapping, self.scene, self.cloth)
+            self._count("fluid", clock)
+        self._write(self._sample(0.0, None, 0, 0.0))
+        self._save(0)
+        self._loop(0)
+
+    def from_checkpoint(self) -> dict[str, Any]:
+        parts, attributes = checkpoint.load_checkpoint(self.folder / "checkpoint.h5")
+        step = int(attributes["step"])
+        time = step * self.scene.time.step
+        self.results = ResultsWriter.resume(self.folder, until=time)
+        self.iterations = IterationLog.resume(self.folder, until=time)
+        self.statistics = RunStatistics(**attributes["statistics"])
+        self.clock -= self.statistics.wall_s
+
+        def begin() -> None:
+            self.cloth.restore(parts["settled"])
+            self.cloth.held = self.scene.diaphragm.held
+            self._couple()
+            self.cloth.restore(parts["structure"])
+            if self.coupled is not None:
+                self.flow.restore(parts["flow"])
+                self.coupled.scheme.restore(parts.get("scheme", {}))
+                self.coupled.restore(parts.get("coupled", {}))
+            self._loop(step)
+
+        return self._guarded(begin)
+
+    def _couple(self) -> None:
+        """Build the flow and the coupling for the settled diaphragm, where the model has a flow."""
+        self.settled = self.cloth.save()
+        scene = self.scene
+        if scene.model.fluid != "openfoam":
+            return
+        self.flow, self.mapping = flow_of(scene, self.folder / "foam", self.cloth)
+        centres = self.flow.moulded_face_centres
+        none = np.zeros(len(self.cloth.reference), dtype=bool)
+        self.to_nodes = MovingLeastSquares(
+            centres, self.cloth.reference, source_rim=np.zeros(len(centres), bool), target_rim=none
+        )
+        scheme, added_mass = scheme_named(
+            scene.coupling.scheme, relaxation=scene.coupling.relaxation, reuse=scene.coupling.reuse
+        )
+        floor = float(np.linalg.norm(scene.gravity)) * scene.time.step**2
+        self.coupled = CoupledStep(
+            self.cloth, self.flow, self.mapping, scheme, added_mass=added_mass,
+            convergence=Convergence(tolerance=scene.coupling.tolerance, floor=floor),
+            max_iterations=scene.coupling.max_iterations, record=self.iterations.write,
+        )  # fmt: skip
+
+    def _loop(self, first: int) -> None:
+        time = self.scene.time
+        for step in range(first, time.steps):
+            now, after = step * time.step, (step + 1) * time.step
+            flow, iterations, residual = self._advance(now, after)
+            self.statistics.steps = step + 1
+            self.statistics.simulated_s = after
+            state = self.cloth.state
+            strain = float(state.strain.max(initial=0.0))
+            self.statistics.strain_tensile_max = max(self.statistics.strain_tensile_max, strain)
+            if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
+                self._write(self._sample(after, flow, iterations, residual))
+            if (step + 1) % time.checkpoint_every == 0:
+                self._save(step + 1)
+            self.progress("shake", after, time.duration, self._text(iterations))
+
+    def _advance(self, now: float, after: float) -> tuple[FlowSample | None, int, float]:
+        """One step; counts what it took. Raises RunFailed when too many did not converge."""
+        dt = self.scene.time.step
+        load = self._load(after)
+        if self.coupled is None:
+            clock = perf_counter()
+            self.cloth.begin_step(dt, load)
+            self.cloth.solve(np.zeros_like(self.cloth.reference))
+            self.cloth.accept_step()
+            self._count("structure", clock)
+            self._count_volume(abs(self.cloth.state.volume / self.scene.liquid_volume - 1.0))
+            return None, 1, 0.0
+        outcome = self.coupled.advance(now, dt, load)
+        for part, seconds in self.coupled.wall.items():
+            self.statistics.wall_by_part[part] += seconds
+            self.coupled.wall[part] = 0.0
+        statistics, flow = self.statistics, outcome.sample
+        statistics.iterations_total += outcome.iterations
+        statistics.iterations_max = max(statistics.iterations_max, outcome.iterations)
+        statistics.speed_max = max(statistics.speed_max or 0.0, flow.speed_max)
+        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, flow.dphi_dt_max)
+        self._count_volume(flow.volume_error)
+        if not outcome.converged:
+            self._unconverged(after, outcome.residual, outcome.iterations)
+        return flow, outcome.iterations, outcome.residual
+
+    def _unconverged(self, time: float, residual: float, iterations: int) -> None:
+        coupling = self.scene.coupling
+        self.statistics.unconverged_steps += 1
+        message = (
+            f"t = {time:.6g} s: the coupling left a relative residual of {residual:.1e} after "
+            f"{iterations} iterations (tolerance {coupling.tolerance:g})."
+        )
+        _log.warning(message)
+        if self.statistics.unconverged_steps > coupling.max_unconverged:
+            raise RunFailed(
+                f"{message} {self.statistics.unconverged_steps} steps did not converge. Halve "
+                "time.step, raise coupling.max_iterations, or take coupling.scheme = 'added-mass'."
+            )
+
+    def _load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:
+        shaking = np.zeros(3) if at_rest else self.motion.acceleration(time)
+        return self.model.load(np.asarray(self.scene.gravity) - shaking)
+
+    def _sample(
+        self, time: float, flow: FlowSample | None, iterations: int, residual: float
+    ) -> Sample:
+        scene, state = self.scene, self.cloth.state
+        load = self._load(time, at_rest=time == 0.0)
+        dynamic = np.zeros(len(state.position))
+        metrics: dict[str, float] = {}
+        weight = load.density * load.body_force * state.volume
+        cg = liquid_cg(state.position, self.cloth.triangles, scene.tank.radius, state.volume)
+        force, moment = weight, np.cross(cg, weight)
+        if self.coupled is not None:
+            metrics = self._flow_metrics(flow)
+            if flow is not None:
+                dynamic = self.to_nodes.weights @ flow.face_pressure
+                force = force + flow.wall_pressure_force
+                moment = moment + flow.wall_pressure_moment
+        hydrostatic = state.datum_pressure + load.density * state.position @ load.body_force
+        return Sample(
+            time=time, tank_acceleration=np.asarray(scene.gravity) - load.body_force,
+            tank_displacement=self.motion.displacement(time), position=state.position,
+            pressure=hydrostatic + dynamic, dynamic_pressure=dynamic, strain=state.strain,
+            volume=state.volume, datum_pressure=state.datum_pressure, liquid_cg=cg, force=force,
+            moment=moment, iterations=iterations, residual=residual, metrics=metrics,
+        )  # fmt: skip
+
+    def _flow_metrics(self, flow: FlowSample | None) -> dict[str, float]:
+        names = ("speed_max", "dphi_dt_max", "non_orthogonality_max", "volume_error")
+        if flow is None:
+            values = {name: 0.0 for name in names}
+            values["non_orthogonality_max"] = self.flow.non_orthogonality_max
+            return values
+        return {name: float(getattr(flow, name)) for name in names}
+
+    def _text(self, iterations: int) -> str:
+        if self.coupled is None:
+            return ""
+        mean = self.statistics.iterations_total / max(self.statistics.steps, 1)
+        text = f"{iterations} iterations, mean {mean:.1f}"
+        if self.statistics.unconverged_steps:
+            text += f", {self.statistics.unconverged_steps} steps unconverged"
+        return text
+
+    def _count(self, part: str, since: float) -> None:
+        self.statistics.wall_by_part[part] += perf_counter() - since
+
+    def _count_volume(self, error: float) -> None:
+        self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
+
+    def _write(self, sample: Sample) -> None:
+        clock = perf_counter()
+        self.results.append(sample)
+        self._count("output", clock)
+
+    def _save(self, step: int) -> None:
+        """Results first, then the checkpoint: it never knows more than they do."""
+        clock = perf_counter()
+        self.results.flush()
+        parts: dict[str, dict[str, Array]] = {
+            "settled": self.settled, "structure": self.cloth.save(),
+        }  # fmt: skip
+        if self.coupled is not None:
+            parts["flow"] = self.flow.save()
+            parts["scheme"] = self.coupled.scheme.save()
+            parts["coupled"] = self.coupled.save()
+        self._count("output", clock)
+        self.statistics.wall_s = perf_counter() - self.clock
+        attributes = {"step": step, "statistics": self.statistics.to_dict()}
+        checkpoint.save_checkpoint(self.folder / "checkpoint.h5", parts, attributes)
+
+    def _guarded(self, body: Callable[[], None]) -> dict[str, Any]:
+        """Run ``body`` and write the summary, however it ends."""
+        try:
+            body()
+        except RunFailed as error:
+            _log.error("%s", error)
+            return self._finish("failed", str(error))
+        except KeyboardInterrupt:
+            self._finish("interrupted", "interrupted by the user")
+            raise
+        return self._finish("completed", None)
+
+    def _finish(self, status: str, error: str | None) -> dict[str, Any]:
+        try:
+            self.results.close()
+        except RunFailed as failure:  # a full disk: what was flushed before stays readable
+            status, error = "failed", error or str(failure)
+        self.iterations.close()
+        self.statistics.wall_s = perf_counter() - self.clock
+        results = read_results(self.folder)
+        summary = summarise(results, self.statistics, self.scene, status, error)
+        write_json(self.folder / "summary.json", summary)
+        return summary
+
+
+class _log_file:  # noqa: N801 - used as a function
+    """Everything logged while it is open also goes to ``log.txt`` of ``folder``."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / "log.txt"
+
+    def __enter__(self) -> None:
+        self._handler = logging.FileHandler(self._path, encoding="utf-8")
+        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        logging.getLogger().addHandler(self._handler)
+
+    def __exit__(self, *_: object) -> None:
+        logging.getLogger().removeHandler(self._handler)
+        self._handler.close()

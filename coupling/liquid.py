@@ -1,0 +1,80 @@
+"""The liquid of a scene: its hydrostatic load, and the flow where the model has one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from cloth.step import Cloth
+from coupling.fluids.datum import Datum
+from coupling.fluids.hydrostatic import Hydrostatic
+from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.foam.geometry import cell_geometry, non_orthogonality
+from coupling.foam.mesh import LiquidMesh, ball, half_ball
+from coupling.foam.process import find_openfoam
+from coupling.mapping import MovingLeastSquares
+from coupling.numbers import level_of_fill_fraction
+from coupling.ports import Array, HydrostaticLoad
+from coupling.scene import Scene
+
+
+class LoadModel(Protocol):
+    """What every rung of the ladder gives: the load that needs no flow."""
+
+    def load(self, body_force: Array) -> HydrostaticLoad:
+        """The load under ``body_force`` (3,) [m/s^2]."""
+
+
+def load_model(scene: Scene) -> LoadModel:
+    """The hydrostatic part of the scene's ``model.fluid``."""
+    if scene.model.fluid == "datum":
+        level = level_of_fill_fraction(scene.liquid.fill_fraction)
+        return Datum(density=scene.liquid.density, level=level * scene.tank.radius)
+    return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
+
+
+def flow_of(
+    scene: Scene, folder: Path, cloth: Cloth
+) -> tuple[OpenFoamFlow, MovingLeastSquares]:
+    """The flow below the settled ``cloth``, not yet started, and its map to the cloth.
+
+    Of the mesh's two topologies the one that is less skewed below the settled diaphragm is taken.
+    """
+    radius = scene.tank.radius
+    found = []
+    for topology in (ball, half_ball):
+        mesh = topology(scene.openfoam.cells)
+        mapping = MovingLeastSquares(
+            cloth.reference,
+            radius * mesh.moulded,
+            source_rim=cloth.fixed,
+            target_rim=mesh.rim,
+        )
+        found.append((_skewness(mesh, radius, mapping.to_flow(cloth.state.position)), mesh, mapping))
+    _, mesh, mapping = min(found, key=lambda entry: entry[0])
+    flow = OpenFoamFlow(
+        folder,
+        mesh,
+        openfoam=find_openfoam(scene.openfoam.command),
+        radius=radius,
+        density=scene.liquid.density,
+        viscosity=scene.liquid.viscosity,
+        timeout=scene.openfoam.timeout,
+    )
+    return flow, mapping
+
+
+def start_flow(flow: OpenFoamFlow, mapping: MovingLeastSquares, scene: Scene, cloth: Cloth) -> None:
+    """Put the flow at rest below the settled ``cloth``."""
+    shell = scene.tank.radius * flow.mesh.points[flow.mesh.shell_points]
+    flow.start(mapping.to_flow(cloth.state.position), shell, scene.liquid_volume)
+
+
+def _skewness(mesh: LiquidMesh, radius: float, patch: Array) -> float:
+    """Largest non-orthogonality [deg]; 180 where a cell is inverted."""
+    geometry = cell_geometry(mesh, mesh.place(radius, patch))
+    if geometry.volume.min() <= 0:
+        return 180.0
+    return float(np.max(non_orthogonality(mesh, geometry)))

@@ -1,0 +1,72 @@
+"""The diaphragm of a scene: built, settled, and measured."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from cloth.load import DRY, WET
+from cloth.material import Diaphragm
+from cloth.mesh import hemisphere
+from cloth.settle import settle
+from cloth.step import Cloth
+from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed
+from coupling.scene import Scene
+
+FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
+
+
+def diaphragm_of(scene: Scene) -> Cloth:
+    """The scene's diaphragm in its moulded shape.
+
+    A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell.
+    """
+    rubber, radius = scene.diaphragm, scene.tank.radius
+    clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
+    iterations = scene.cloth.iterations
+    return Cloth(
+        mesh=hemisphere(radius, scene.cloth.resolution),
+        diaphragm=Diaphragm(
+            thickness=rubber.thickness,
+            density=rubber.density,
+            youngs_modulus=rubber.youngs_modulus,
+            poisson_ratio=rubber.poisson_ratio,
+        ),
+        shell_radius=radius,
+        strain_limit=scene.cloth.strain_limit,
+        clearance=clearance,
+        dry=replace(DRY, iterations=iterations),
+        wet=replace(WET, iterations=iterations, drag=scene.cloth.drag),
+    )
+
+
+def settle_diaphragm(cloth: Cloth, scene: Scene, load: HydrostaticLoad) -> None:
+    """Bring ``cloth`` to rest under ``load``, by way of the scene's liquid volume.
+
+    Raises ``RunFailed`` where no equilibrium is found.
+    """
+    filled = replace(load, volume=scene.liquid_volume, datum=None)
+    steps = max(10, round(FILLING_STEPS_PER_SECOND * scene.time.settle))
+    outcome = settle(cloth, filled, ramp_steps=steps)
+    if load.datum is not None:
+        outcome = settle(cloth, load)
+    if not outcome.converged:
+        raise RunFailed(
+            f"settling: the diaphragm still moves by {outcome.change:.1e} m a step after "
+            f"{outcome.steps} steps. Raise time.settle, or lower cloth.resolution."
+        )
+    cloth.held = scene.diaphragm.held
+
+
+def liquid_cg(position: Array, triangles: Ints, radius: float, volume: float) -> Array:
+    """Centre of gravity (3,) [m] of the liquid below the diaphragm at ``position`` (n, 3) [m].
+
+    The lower half ball of ``radius`` [m] and the cone from the diaphragm to the tank's centre, of
+    ``volume`` [m^3] together. Exact for the triangles.
+    """
+    a, b, c = (position[triangles[:, k]] for k in range(3))
+    cone = np.einsum("mx,mx->m", a, np.cross(b, c)) / 6.0
+    moment = cone @ (a + b + c) / 4.0
+    moment[2] -= np.pi * radius**4 / 4.0
+    return np.asarray(moment / volume)

@@ -1,0 +1,118 @@
+"""A free liquid surface as the structure: no stiffness but gravity's, next to no mass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coupling.interface import swept_gradient
+from coupling.ports import Array, HydrostaticLoad, Ints, StructureState
+
+LUMPED = 0.05
+
+
+class FreeSurface:
+    """Small heights above a level surface whose nodes are the flow's patch points.
+
+    A node moves along ``path`` (p, 3), which is 1 along gravity's opposite: straight up inside, and
+    tangentially to the wall at the rim. Gravity's stiffness rho g A acts on the faces' means, as the
+    flow's pressure does, but for a share ``LUMPED`` on the nodes, which gives a stiffness to the
+    checkerboard that no mean sees. A surface mass ``mass`` [kg/m^2] is lumped. Exact for small heights up to the grid's error; steps are
+    ``backward``, the first one Euler.
+    """
+
+    def __init__(
+        self, points: Array, faces: Ints, path: Array, *, mass: float, density: float, gravity: float
+    ) -> None:
+        self.reference, self.path = points, path
+        self.triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+        self.fixed: NDArray[np.bool_] = np.zeros(len(points), dtype=bool)
+        gradient = np.zeros_like(points)
+        np.add.at(gradient, faces, swept_gradient(points[faces]))
+        self._area = np.einsum("px,px->p", gradient, path)  # dV/dh: the volume a height adds
+        self._mass = mass * self._area
+        flux = np.zeros((len(faces), len(points)))
+        along = np.einsum("fkx,fkx->fk", swept_gradient(points[faces]), path[faces])
+        np.add.at(flux, (np.arange(len(faces))[:, None], faces), along)
+        means = flux.T @ (flux / flux.sum(axis=1)[:, None])
+        self._stiffness = density * gravity * (
+            (1 - LUMPED) * means + LUMPED * np.diag(self._area)
+        )
+        self.height = np.zeros(len(points))
+        self.speed = np.zeros((2, len(points)))  # now, one step ago
+        self._before = self.height
+        self.steps = 0
+
+    def displace(self, height: Array) -> None:
+        """Start at rest from ``height`` (p,) [m], its mean removed."""
+        self.height = self._before = height - self._area @ height / self._area.sum()
+
+    def moment(self, shape: Array) -> float:
+        """Integral of the heights times ``shape`` (p,) [m^3]."""
+        return float((self._area * shape) @ self.height)
+
+    def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
+        """Start a step of ``dt`` [s]; of ``load`` only gravity counts, which is built in."""
+        if self.steps == 0:
+            self._scale = dt
+            self._from, speed = self.height, self.speed[0]
+        else:
+            self._scale = 2 * dt / 3
+            self._from = (4 * self.height - self._before) / 3
+            speed = (4 * self.speed[0] - self.speed[1]) / 3
+        self._predicted = self._from + self._scale * speed
+        matrix = np.diag(self._mass) / self.acceleration_scale + self._stiffness
+        self._rows = None
+        if added_mass is not None:
+            self._rows = np.einsum("rpx,px->rp", added_mass, self.path)
+            matrix += self._rows.T @ self._rows / self.acceleration_scale
+        # Bordered by the volume: the heights add none.
+        self._matrix = np.block([[matrix, self._area[:, None]], [self._area[None], np.zeros((1, 1))]])
+
+    @property
+    def acceleration_scale(self) -> float:
+        """b^2 [s^2] of this step's implicit formula."""
+        return self._scale**2
+
+    def inertial_prediction(self) -> Array:
+        """Where the nodes (p, 3) [m] would go without forces."""
+        return self.reference + self._predicted[:, None] * self.path
+
+    def solve(self, force: Array) -> Array:
+        """Nodes (p, 3) [m] under nodal ``force`` (p, 3) [N]."""
+        right = np.einsum("px,px->p", force, self.path)
+        right = right + self._mass * self._predicted / self.acceleration_scale
+        if self._rows is not None:
+            right += self._rows.T @ (self._rows @ self._predicted) / self.acceleration_scale
+        self._now = np.linalg.solve(self._matrix, np.append(right, 0.0))[:-1]
+        return self.reference + self._now[:, None] * self.path
+
+    def accept_step(self) -> None:
+        """Commit the last solve."""
+        self.speed = np.stack([(self._now - self._from) / self._scale, self.speed[0]])
+        self._before, self.height = self.height, self._now
+        self.steps += 1
+
+    @property
+    def state(self) -> StructureState:
+        """The committed state."""
+        return StructureState(
+            position=self.reference + self.height[:, None] * self.path,
+            velocity=self.speed[0][:, None] * self.path,
+            datum_pressure=0.0,
+            volume=float(self._area @ self.height),
+            strain=np.zeros(len(self.triangles)),
+            change=0.0,
+        )
+
+    def save(self) -> dict[str, Array]:
+        """Heights and speeds of two steps."""
+        return {"height": np.stack([self.height, self._before]), "speed": self.speed}
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+        self.height, self._before = saved["height"]
+        self.speed = saved["speed"]
+        self.steps = 1
