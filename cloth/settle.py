@@ -37,8 +37,8 @@ def settle(
     *,
     dt: float = 0.03,
     ramp_steps: int = 100,
-    tolerance: float = 1e-7,
-    steps_max: int = 1500,
+    tolerance: float = 1e-6,
+    steps_max: int = 1000,
 ) -> Settled:
     """Bring ``cloth`` to rest under ``load``, in place.
 
