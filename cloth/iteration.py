@@ -154,6 +154,11 @@ class Iteration:
             off = np.linalg.norm(x, axis=1) < p.limit * (1.0 - 1e-9)
             direction = np.where(off[:, None], self.direction, 0.0)
             slope = float(np.sum(gradient * direction))
+            if not slope > 0.0:
+                raise ArithmeticError(
+                    "cloth: the inner iteration has diverged, the volume no longer answers to the "
+                    "pressure. Halve time.step, or lower the settings' penalty."
+                )
             x = clamp_to_shell(x + (p.load.volume - volume) / slope * direction, p.limit)
         return x
 

@@ -51,7 +51,7 @@ DRY = Settings(
     bending_damping=0.05,
     drag=5.0,
     iterations=20,
-    iterations_max=200,
+    iterations_max=400,
 )
 WET = Settings(
     penalty=1e4,
@@ -60,5 +60,5 @@ WET = Settings(
     bending_damping=0.05,
     drag=100.0,
     iterations=20,
-    iterations_max=200,
+    iterations_max=400,
 )
