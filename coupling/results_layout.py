@@ -33,7 +33,7 @@ METRIC_UNITS = {
     "speed_max": "m/s",
     "dphi_dt_max": "m^2/s^2",
     "non_orthogonality_max": "deg",
-    "flow_volume": "m^3",
+    "volume_error": "-",
 }
 
 

@@ -77,7 +77,12 @@ def number(value: float | None, unit: str = "", digits: int = 3) -> str:
 
 
 def percent(value: float | None) -> str:
-    """A fraction as a percentage of two digits; a dash for None."""
+    """A fraction as a percentage of two significant digits; a dash for None."""
     if value is None:
         return "–"
-    return f"{100.0 * value:.{1 if abs(value) < 0.0995 else 0}f}\u202f%" if value else "0\u202f%"
+    size = abs(100.0 * value)
+    if 0.995 <= size < 9.95:
+        return f"{100.0 * value:.1f}\u202f%".replace("-", "−")
+    if size >= 9.95:
+        return f"{100.0 * value:.0f}\u202f%".replace("-", "−")
+    return number(100.0 * value, "%", 2)

@@ -147,4 +147,5 @@ def test_numbers_are_written_for_readers() -> None:
     assert number(1118.4, digits=4) == "1118"
     assert percent(0.2334) == "23\u202f%"
     assert percent(0.0123) == "1.2\u202f%"
+    assert percent(0.00042) == "0.042\u202f%"
     assert percent(0.0) == "0\u202f%"

@@ -1,0 +1,126 @@
+"""Studies: reuse of finished runs, failures as rows, and the real driver on the cheap models."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import known_run as run
+import pytest
+
+from coupling.atomic import write_json
+from coupling.metrics.summary import summarise
+from coupling.report.page import percent
+from coupling.results import read_results
+from coupling.scene import Scene, load_scene, scene_toml
+from coupling.study import coarser_scenes, run_study
+
+
+def with_model(scene: Scene, name: str) -> Scene:
+    return scene.model_copy(update={"model": scene.model.model_copy(update={"fluid": name})})
+
+
+def finished(folder: Path, scene: Scene, *, tilt: float, wall: float) -> None:
+    """A finished run in ``folder``, whose diaphragm moves ``tilt`` times as far."""
+    run.write_run(folder, scene=scene_toml(scene), model=scene.model.fluid, tilt=tilt)
+    (folder / "scene.toml").write_text(scene_toml(scene))
+    statistics = run.statistics()
+    statistics.wall_s = wall
+    content = summarise(read_results(folder), statistics, scene, "completed", None)
+    write_json(folder / "summary.json", content)
+
+
+def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> None:
+    scene = run.scene()
+    for model, tilt, wall in (("datum", 3.0, 2.0), ("hydrostatic", 1.01, 4.0), ("openfoam", 1, 80)):
+        finished(tmp_path / model, with_model(scene, model), tilt=tilt, wall=wall)
+    for name, less in coarser_scenes(with_model(scene, "openfoam")).items():
+        finished(tmp_path / "discretisation" / name, less, tilt=1.02, wall=40.0)
+    study = run_study(scene, ("openfoam", "datum", "hydrostatic"), tmp_path)
+    assert json.loads((tmp_path / "study.json").read_text()) == study
+    assert study["reference"] == "openfoam"
+    rows = study["models"]
+    assert rows["hydrostatic"]["speedup"] == 20.0
+    own = study["discretisation"]["coarser_grid"]["shape_rms"]
+    # the distance is linear in the tilt: 2.0 away for datum, 0.02 and 0.01 for the others
+    assert rows["datum"]["error"]["shape_rms"] == pytest.approx(100.0 * own)
+    assert rows["hydrostatic"]["error"]["shape_rms"] == pytest.approx(0.5 * own)
+    assert rows["hydrostatic"]["below_reference_error"] == ["shape_rms"]
+    assert rows["datum"]["below_reference_error"] == []
+    assert study["advice"].startswith("Use hydrostatic")
+    text = (tmp_path / "report.html").read_text()
+    assert f"≈ {percent(0.5 * own)}" in text
+    assert "half the cells" in text
+
+
+def test_the_less_resolved_scenes_keep_the_instants_of_output() -> None:
+    scene = run.scene()
+    flow = coarser_scenes(with_model(scene, "openfoam"))
+    assert flow["coarser_grid"].openfoam.cells == scene.openfoam.cells // 2
+    assert flow["coarser_grid"].cloth == scene.cloth
+    time = flow["doubled_step"].time
+    assert time.step * time.output_every == scene.time.step * scene.time.output_every
+    cloth = coarser_scenes(with_model(scene, "hydrostatic"))["coarser_grid"]
+    assert cloth.cloth.resolution == 17  # 24 rings over sqrt(2): half the triangles
+    assert cloth.openfoam == scene.openfoam
+
+
+SCENE = """
+title = "Small and slow"
+[tank]
+radius = 0.2
+[diaphragm]
+material = "AF-E-332"
+thickness = 0.0018
+[liquid]
+name = "water"
+fill_fraction = 0.8
+[motion]
+kind = "sine"
+frequency = 2.0
+amplitude = 0.002
+[cloth]
+resolution = 6
+[time]
+settle = 0.5
+duration = 0.1
+step = 0.005
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Scene:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return load_scene(tmp_path / "scene.toml")
+
+
+def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_path: Path) -> None:
+    said: list[str] = []
+    folder = tmp_path / "study"
+    study = run_study(
+        small,
+        ("datum", "hydrostatic"),
+        folder,
+        progress=lambda stage, done, total, text: said.append(stage),
+    )
+    assert study["reference"] == "hydrostatic"
+    assert [row["status"] for row in study["models"].values()] == ["completed"] * 2
+    assert set(study["discretisation"]) == {"coarser_grid", "doubled_step"}
+    assert study["models"]["datum"]["error"]["shape_rms"] > 0.0
+    assert any(stage.startswith("datum: ") for stage in said)
+    assert (folder / "report.html").is_file()
+    written = (folder / "datum" / "results.h5").stat().st_mtime_ns
+    assert run_study(small, ("datum", "hydrostatic"), folder) == study
+    assert (folder / "datum" / "results.h5").stat().st_mtime_ns == written
+
+
+def test_a_failed_model_is_a_row(small: Scene, tmp_path: Path) -> None:
+    broken = small.model_copy(
+        update={"openfoam": small.openfoam.model_copy(update={"command": "/no/such/solver"})}
+    )
+    study = run_study(broken, ("datum", "hydrostatic", "openfoam"), tmp_path / "study")
+    assert study["reference"] == "hydrostatic"
+    assert study["models"]["openfoam"]["status"] == "failed"
+    assert study["models"]["openfoam"]["failure"]
+    assert study["models"]["openfoam"]["error"] == {}
+    assert "failed" in (tmp_path / "study" / "report.html").read_text()
