@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from coupling.ports import Array
 
-_ZERO = 1e-9  # of the largest component: below it a phase is rounding
+_ZERO = 1e-5  # of the largest component: below it a phase is the solver's noise
 
 
 @dataclass(frozen=True, kw_only=True)

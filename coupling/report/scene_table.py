@@ -106,11 +106,11 @@ def motion_table(run: RunFiles) -> Table:
 
 
 def _amplitude(values: list[float | None], axis: int, scale: float = 1.0) -> str:
-    """One component; what is rounding beside the largest is 0."""
+    """One component; what is noise beside the largest is 0."""
     known, value = [item for item in values if item is not None], values[axis]
     if value is None:
         return "–"
-    return number(scale * value) if value > 1e-9 * max(known) else "0"
+    return number(scale * value) if value > 1e-5 * max(known) else "0"
 
 
 def _phase(value: float | None) -> str:
