@@ -118,9 +118,9 @@ def run(cloth: Cloth, steps: int, *, first: int = 0, dt: float = 0.005, patches:
 def test_static_level_gravity_centre_and_pressure(settled, fill):
     """Without bending: a level surface at R h, the rest on the shell, the spherical cap's CG.
 
-    Bending rounds the contact corner and wrinkles the slack rim, each over less than the
-    elasto-gravity length (kappa/(rho g))^(1/4) = 27 mm with amplitudes that leave up to 0.4 % of R in
-    the mean level; the datum carries the sheet's weight too, rho_d t g, and up to 0.6 % R of bending.
+    Bending rounds the contact corner and wrinkles the slack rim over the elasto-gravity length
+    (kappa/(rho g))^(1/4) = 27 mm = 6 % R, and the datum carries the sheet's weight too. The
+    tolerances are twice what bending was measured to leave (0.2 % R, datum 0.3 % R), not a bound.
     """
     cloth, saved = settled[fill]
     cloth.restore(saved)
