@@ -57,29 +57,40 @@ def pressure_figure(run: RunFiles) -> Picture:
     axes = figure.subplots()
     time = run.results.time
     axes.plot(*thinned(time, hydrostatic / 1e3), color=ORANGE, label="hydrostatic")
-    axes.plot(*thinned(time, dynamic / 1e3), color=BLUE, linestyle="--", label="dynamic p*")
+    if run.has_flow:
+        _plot_dynamic(axes, time, dynamic)
     _finish(axes, "rms over diaphragm (kPa)")
-    text = "How strongly each pressure varies over the diaphragm: hydrostatic, and what it omits."
+    text = "How strongly the hydrostatic pressure varies over the diaphragm" + (
+        ", and what it omits." if run.has_flow else "; this model computes no other."
+    )
     return Picture(source=svg(figure), caption=text, alt=text)
 
 
 def node_pressure_figure(run: RunFiles) -> Picture:
     """Both pressures at the node where p* is largest."""
     results = run.results
-    node = int(np.argmax(np.abs(results.dynamic_pressure).max(axis=0)))
+    told = results.dynamic_pressure if run.has_flow else results.pressure
+    node = int(np.argmax(np.abs(told).max(axis=0)))
     dynamic = results.dynamic_pressure[:, node]
     hydrostatic = results.pressure[:, node] - dynamic
     figure = new_figure()
     axes = figure.subplots()
     axes.plot(*thinned(results.time, hydrostatic / 1e3), color=ORANGE, label="hydrostatic")
-    axes.plot(*thinned(results.time, dynamic / 1e3), color=BLUE, linestyle="--", label="dynamic p*")
+    if run.has_flow:
+        _plot_dynamic(axes, results.time, dynamic)
     _finish(axes, "pressure (kPa)")
     x, y, z = results.reference[node] * 1e3
+    which = "p*" if run.has_flow else "the pressure"
     text = (
-        "Both at the point of the diaphragm where p* becomes largest, moulded at "
+        f"At the point of the diaphragm where {which} becomes largest, moulded at "
         f"({x:.0f}, {y:.0f}, {z:.0f}) mm."
     )
     return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _plot_dynamic(axes: Any, time: Array, dynamic: Array) -> None:
+    x, y = thinned(time, dynamic / 1e3)
+    axes.plot(x, y, color=BLUE, linestyle="--", label="dynamic p*")
 
 
 def coupling_figure(run: RunFiles) -> Picture:

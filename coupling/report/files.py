@@ -32,6 +32,11 @@ class RunFiles:
         """Fluid model of the run."""
         return self.results.model
 
+    @property
+    def has_flow(self) -> bool:
+        """Whether the model computes p* at all."""
+        return self.model not in ("datum", "hydrostatic")
+
 
 def read_run(folder: Path) -> RunFiles:
     """Read a run's folder; one still running, which has no summary yet, is summarised from here.

@@ -85,4 +85,4 @@ def percent(value: float | None) -> str:
         return f"{100.0 * value:.1f}\u202f%".replace("-", "−")
     if size >= 9.95:
         return f"{100.0 * value:.0f}\u202f%".replace("-", "−")
-    return number(100.0 * value, "%", 2)
+    return number(100.0 * value, "%", 2) if size >= 0.01 or size == 0.0 else "<\u202f0.01\u202f%"

@@ -58,7 +58,7 @@ class PressureColours:
         if high <= low:
             low, high = low - 1.0, low + 1.0
         self.mappable = ScalarMappable(
-            Normalize(low, high), colormaps["RdBu_r" if diverging else "cividis"]
+            Normalize(low, high), colormaps["RdBu_r" if diverging else "YlGnBu"]
         )
 
 

@@ -131,12 +131,15 @@ def cost_table(run: RunFiles) -> Table:
 def quality_table(run: RunFiles) -> Table:
     """How well the step was solved."""
     summary, coupling = run.summary, run.summary["coupling"]
-    rows = [
+    coupled = [
         ["Scheme", str(coupling["scheme"])],
-        ["Steps", number(summary["steps"], digits=6)],
         ["Iterations a step, mean", number(coupling["iterations_mean"])],
         ["Iterations a step, most", number(coupling["iterations_max"])],
         ["Steps that did not converge", number(coupling["unconverged_steps"])],
+    ]
+    rows = [
+        ["Steps", number(summary["steps"], digits=6)],
+        *(coupled if run.has_flow else [["Coupling", "none: no flow"]]),
         ["Largest tensile strain", percent(summary["strain_tensile_max"])],
         ["Largest volume error", number(summary["volume_error_max"])],
         ["Force against momentum", percent(summary["force"].get("momentum_imbalance"))],

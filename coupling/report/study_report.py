@@ -21,7 +21,6 @@ _COLUMNS = {
     "force_amplitude": "force amplitude",
     "pressure_rms": "pressure (rms)",
 }
-_OWN = {"coarser_grid": "half the cells", "doubled_step": "doubled step"}
 
 
 def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
@@ -73,7 +72,7 @@ def _errors(study: Mapping[str, Any]) -> Section:
         rows.append([name, number(row.get("wall_s"), "s"), _times(row.get("speedup")), *cells])
     for key, errors in study["discretisation"].items():
         cells = [_cell(name, errors.get(name), False) for name in _COLUMNS]
-        rows.append([f"{reference}, {_OWN.get(key, key)}", "", "", *cells])
+        rows.append([f"{reference}, {_own(key, reference)}", "", "", *cells])
     return Section(
         title="Errors and speed",
         tables=[
@@ -87,6 +86,11 @@ def _errors(study: Mapping[str, Any]) -> Section:
             )
         ],
     )
+
+
+def _own(key: str, reference: str) -> str:
+    grid = "half the cells" if reference == "openfoam" else "half the triangles"
+    return {"coarser_grid": grid, "doubled_step": "doubled step"}.get(key, key)
 
 
 def _cell(name: str, value: float | None, below: bool) -> str:
@@ -107,14 +111,17 @@ def _curves(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]
     middle = [run.results.liquid_cg[:, axis].mean() for run in moving]
     cg = [1e3 * (r.results.liquid_cg[:, axis] - m) for r, m in zip(moving, middle, strict=True)]
     force = [run.results.force[:, axis] for run in moving]
-    pressure = [pressure_rms(run)[0] / 1e3 for run in moving]
+    flowing = [run for run in moving if run.has_flow]
+    pressure = [pressure_rms(run)[0] / 1e3 for run in flowing]
     datum = [run.results.datum_pressure / 1e3 for run in moving]
     pictures = [
         figures.overlay(moving, cg, f"CG, {name} (mm)", "Liquid’s centre of gravity in the tank."),
         figures.overlay(moving, force, f"force, {name} (N)", "Force on tank and diaphragm."),
-        figures.overlay(moving, pressure, "p*, rms (kPa)", "Pressure beyond hydrostatics."),
         figures.overlay(moving, datum, "datum pressure (kPa)", "Pressure at the tank’s centre."),
     ]
+    if flowing:
+        caption = "Pressure beyond hydrostatics, over the diaphragm."
+        pictures.append(figures.overlay(flowing, pressure, "p*, rms (kPa)", caption))
     return [Section(title="Over time", pictures=[*pictures, *_speed(study)])]
 
 

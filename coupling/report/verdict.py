@@ -23,7 +23,7 @@ def verdict(run: RunFiles) -> tuple[str, str]:
             "Too little was computed to judge the hydrostatic assumption.",
             "It takes some instants of a moving tank.",
         )
-    if run.model in ("datum", "hydrostatic"):
+    if not run.has_flow:
         return _of_hydrostatics(run, momentum)
     size = max(momentum, dynamic or 0.0)
     headline = (
@@ -64,10 +64,12 @@ def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
     """The key figures under the verdict: name, value, remark."""
     figures = run.summary["bernoulli"]
     cg = run.summary["cg"]["amplitude_m"]
+    dynamic, unknown = figures["dynamic_fraction"] if run.has_flow else None, "no flow to measure"
+    measured = "measured" if run.has_flow else unknown
     largest = None if None in cg else max(cg)
     return [
         ("Neglected momentum", percent(figures["neglected_momentum"]), "c″ over the tank’s own"),
-        ("Dynamic over hydrostatic pressure", percent(figures["dynamic_fraction"]), "rms"),
+        ("Dynamic over hydrostatic pressure", percent(dynamic), "rms" if run.has_flow else unknown),
         ("CG amplitude in the tank", number(None if largest is None else 1e3 * largest, "mm"), ""),
-        ("Hydrostatic over unsteady term", number(figures["unsteady_ratio"]), "measured"),
+        ("Hydrostatic over unsteady term", number(figures["unsteady_ratio"]), measured),
     ]

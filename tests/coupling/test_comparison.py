@@ -87,7 +87,7 @@ def test_the_fastest_model_that_is_good_enough_is_advised() -> None:
     assert said.startswith("Use hydrostatic: it stays within 3.0\u202f% of openfoam")
     assert "50 times as fast" in said
     rows["hydrostatic"] = row(2, 0.3)
-    assert advice("openfoam", rows).startswith("Use openfoam. The best of the cheaper models, hyd")
+    assert advice("openfoam", rows).startswith("Use openfoam. The best of the others, hyd")
 
 
 def test_advice_does_not_pretend() -> None:
