@@ -120,7 +120,7 @@ def test_static_level_gravity_centre_and_pressure(settled, fill):
 
     Bending rounds the contact corner and wrinkles the slack rim over the elasto-gravity length
     (kappa/(rho g))^(1/4) = 27 mm = 6 % R, and the datum carries the sheet's weight too. The
-    tolerances are twice what bending was measured to leave (0.2 % R, datum 0.3 % R), not a bound.
+    tolerances come from measurement (15 rings: level within 0.1 % R, datum 0.4 % R), not theory.
     """
     cloth, saved = settled[fill]
     cloth.restore(saved)
