@@ -44,17 +44,38 @@ def read_run(folder: Path) -> RunFiles:
     Raises RunFailed or SceneError where results or scene cannot be read.
     """
     results, scene = read_results(folder), load_scene(folder)
-    path = folder / "summary.json"
+    path, iterations = folder / "summary.json", read_iterations(folder)
     if path.is_file():
         summary = json.loads(path.read_text(encoding="utf-8"))
     else:
-        summary = summarise(results, RunStatistics(), scene, "unfinished", None)
+        counted = _counted(results, scene, iterations)
+        summary = summarise(results, counted, scene, "unfinished", None)
     return RunFiles(
         folder=folder,
         scene=scene,
         results=results,
         summary=summary,
-        iterations=read_iterations(folder),
+        iterations=iterations,
+    )
+
+
+def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics:
+    """What an unfinished run's files say of it: instants written out, not all steps."""
+    if len(results.time) == 0:
+        return RunStatistics()
+    _, per_step = np.unique(iterations[:, 0], return_counts=True)
+    largest = {name: float(np.nanmax(values)) for name, values in results.metrics.items()}
+    simulated = float(results.time[-1])
+    return RunStatistics(
+        steps=round(simulated / scene.time.step),
+        simulated_s=simulated,
+        wall_s=float(iterations[:, 3].sum()),
+        strain_tensile_max=float(results.strain.max(initial=0.0)),
+        volume_error_max=float(np.abs(results.volume / scene.liquid_volume - 1.0).max()),
+        iterations_total=int(per_step.sum()),
+        iterations_max=int(per_step.max(initial=0)),
+        speed_max=largest.get("speed_max"),
+        dphi_dt_max=largest.get("dphi_dt_max"),
     )
 
 

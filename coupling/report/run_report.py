@@ -22,7 +22,7 @@ def run_page(run: RunFiles) -> Page:
     alarm = ""
     if summary["status"] != "completed":
         reached = f"{number(summary['simulated_s'], 's')} of {number(run.scene.time.duration, 's')}"
-        alarm = f"This run is {summary['status']}, after {reached}. {summary['error'] or ''}"
+        alarm = f"Not completed ({summary['status']}): {reached}. {summary['error'] or ''}"
     return Page(
         title=run.scene.title or run.folder.resolve().name,
         subtitle=f"{run.model} · {number(summary['simulated_s'], 's')} simulated in "
@@ -56,7 +56,7 @@ def _shape(run: RunFiles) -> Section:
     return Section(
         title="Diaphragm",
         text="The tank frame, seen across the direction of shaking, at instants of the last "
-        "period. Below: cut in the plane of shaking; liquid shaded, its centre of gravity a cross.",
+        "period, or of the run if it is shorter. Below: cut in the plane of shaking; liquid shaded, its centre of gravity a cross.",
         pictures=[*pictures, *instants.sections(run)],
         columns=4,
         scale=scale,

@@ -35,8 +35,14 @@ def verdict(run: RunFiles) -> tuple[str, str]:
         f"The liquid's centre of gravity accelerates within the tank at {percent(momentum)} of the "
         "tank's own acceleration, and hydrostatics holds no force for that. "
         f"The pressure left out is {percent(dynamic)} (rms) of the hydrostatic pressure's "
-        "variation over the diaphragm."
+        "variation over the diaphragm." + _shortness(run)
     )
+
+
+def _shortness(run: RunFiles) -> str:
+    if run.scene.motion.kind != "sine" or run.summary.get("fitted_periods"):
+        return ""
+    return " There is no whole period yet: the largest accelerations are compared."
 
 
 def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
