@@ -38,7 +38,9 @@ def compare(
     weight = node_areas(reference.position[reference_rows], reference.triangles)
     moved = results.position[rows] - reference.position[reference_rows] if comparable else None
     return {
-        "shape_rms": None if moved is None else _rms(np.linalg.norm(moved, axis=2), weight) / radius,
+        "shape_rms": None
+        if moved is None
+        else _rms(np.linalg.norm(moved, axis=2), weight) / radius,
         "cg_amplitude": _relative(summary, reference_summary, "cg", "amplitude_m"),
         "cg_phase_deg": _phase(summary["cg"], reference_summary["cg"]),
         "force_amplitude": _relative(summary, reference_summary, "force", "amplitude_N"),

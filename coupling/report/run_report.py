@@ -56,7 +56,8 @@ def _shape(run: RunFiles) -> Section:
     return Section(
         title="Diaphragm",
         text="The tank frame, seen across the direction of shaking, at instants of the last "
-        "period, or of the run if it is shorter. Below: cut in the plane of shaking; liquid shaded, its centre of gravity a cross.",
+        "period, or of the run if it is shorter. Below: cut in the plane of "
+        "shaking; liquid shaded, its centre of gravity a cross.",
         pictures=[*pictures, *instants.sections(run)],
         columns=4,
         scale=scale,
