@@ -34,14 +34,19 @@ def advice(reference: str | None, rows: Mapping[str, Mapping[str, Any]]) -> str:
         what, error = worst(others[name]) or ("", 0.0)
         return (
             f"Use {reference}. The best of the others, {name}, errs by "
-            f"{100.0 * error:.0f}\u202f% in {_WORDS[what]}, above the {100.0 * _ENOUGH:.0f}\u202f% that is asked for."
+            f"{_percent(error)} in {_WORDS[what]}, above the {_percent(_ENOUGH)} that is asked for."
         )
     name = min(good, key=lambda key: float(others[key].get("wall_s") or 0.0))
     what, error = worst(others[name]) or ("", 0.0)
     return (
-        f"Use {name}: it stays within {100.0 * max(error, 0.001):.1f}\u202f% of {reference} in every "
-        f"figure (worst: {_WORDS[what]}) and is {others[name].get('speedup') or 0.0:.3g} times as fast."
+        f"Use {name}: it stays within {_percent(error, 1)} of {reference} in every "
+        f"figure (worst: {_WORDS[what]}) and is "
+        f"{others[name].get('speedup') or 0.0:.3g} times as fast."
     )
+
+
+def _percent(value: float, digits: int = 0) -> str:
+    return f"{100.0 * max(value, 0.001):.{digits}f}\u202f%"
 
 
 def worst(row: Mapping[str, Any]) -> tuple[str, float] | None:

@@ -65,7 +65,7 @@ def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
 
 
 def below(errors: Errors, own: Mapping[str, Errors]) -> list[str]:
-    """Names of the errors that are smaller than the reference's ``own`` ones: no difference seen."""
+    """Names of the errors that are smaller than the reference's ``own`` ones."""
     names = []
     for name, value in errors.items():
         known = [one[name] for one in own.values() if one.get(name) is not None]
