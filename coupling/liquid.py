@@ -14,6 +14,7 @@ from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.geometry import cell_geometry, non_orthogonality
 from coupling.foam.mesh import LiquidMesh, ball, half_ball
 from coupling.foam.process import find_openfoam
+from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.mapping import MovingLeastSquares
 from coupling.numbers import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad
@@ -73,8 +74,12 @@ def start_flow(flow: OpenFoamFlow, mapping: MovingLeastSquares, scene: Scene, cl
 
 
 def _skewness(mesh: LiquidMesh, radius: float, patch: Array) -> float:
-    """Largest non-orthogonality [deg]; 180 where a cell is inverted."""
-    geometry = cell_geometry(mesh, mesh.place(radius, patch))
-    if geometry.volume.min() <= 0:
+    """Largest non-orthogonality [deg] below ``patch`` (p, 3); 180 where no mesh is found."""
+    reference = radius * mesh.points
+    outline = reference.copy()
+    outline[mesh.patch_points] = patch
+    try:
+        points = ElasticMesh(mesh, radius).relax(reference, outline, size=1.0)
+    except MeshFolds:
         return 180.0
-    return float(np.max(non_orthogonality(mesh, geometry)))
+    return float(np.max(non_orthogonality(mesh, cell_geometry(mesh, points))))

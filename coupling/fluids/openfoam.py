@@ -24,6 +24,7 @@ from coupling.foam.geometry import (
 )
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
+from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.interface import pressure_force, swept_gradient
 from coupling.ports import Array, FlowSample, Ints, RunFailed
 
@@ -53,6 +54,7 @@ class OpenFoamFlow:
         self.radius, self.density, self.viscosity = radius, density, viscosity
         self.faces: Ints = mesh.patch_faces
         self._boundary: Ints = mesh.faces[mesh.inner_faces :]
+        self._elastic = ElasticMesh(mesh, radius)
         self._kept: set[float] = {0.0}
 
     @property
@@ -74,7 +76,9 @@ class OpenFoamFlow:
         self.time, self.steps = 0.0, 0
         self.points = self._initial = patch
         self._shell = self._raised(shell, volume)
-        self._all_points = self.mesh.place(self.radius, patch, self._shell)
+        reference = self.radius * self.mesh.points
+        self._size = volume / fan_volume(reference[self._boundary])
+        self._all_points = self._relaxed(reference, self._outline(patch), "t = 0 s")
         self._geometry = self._checked_geometry(self._all_points, "t = 0 s")
         self.volume = float(self._geometry.volume.sum())
         self._fan = fan_volume(self._all_points[self._boundary])
@@ -86,7 +90,9 @@ class OpenFoamFlow:
     def _raised(self, shell: Array, volume: float) -> Array:
         factor = 1.0
         for _ in range(20):
-            points = self.mesh.place(self.radius, self.points, factor * shell)
+            points = np.empty_like(self.mesh.points)
+            points[self.mesh.shell_points] = factor * shell
+            points[self.mesh.patch_points] = self.points
             missing = volume - fan_volume(points[self._boundary])
             if abs(missing) < 1e-12 * volume:
                 break
@@ -96,6 +102,7 @@ class OpenFoamFlow:
     def begin_step(self, time: float, dt: float) -> None:
         """Start a step of ``dt`` [s] from the committed fields at ``time`` [s]."""
         self.time, self.dt = time, dt
+        self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
 
     def close_volume(self, points: Array) -> Array:
         """``points`` (p, 3) shifted along their normals until the volume is the start's."""
@@ -113,15 +120,30 @@ class OpenFoamFlow:
 
     def _excess(self, patch: Array) -> float:
         """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
-        points = np.empty_like(self.mesh.points)
+        return fan_volume(self._outline(patch)[self._boundary]) - self._fan
+
+    def _outline(self, patch: Array) -> Array:
+        """Points (P, 3) of which those on the boundary stand where they should."""
+        points = np.zeros_like(self.mesh.points)
         points[self.mesh.shell_points] = self._shell
         points[self.mesh.patch_points] = patch
-        return fan_volume(points[self._boundary]) - self._fan
+        return points
+
+    def _relaxed(self, start: Array, outline: Array, moment: str) -> Array:
+        try:
+            return self._elastic.relax(start, outline, size=self._size)
+        except MeshFolds:
+            raise RunFailed(
+                f"{moment}: no valid mesh of the liquid was found. Lower motion.amplitude, raise "
+                "openfoam.clearance, or take model.fluid = 'hydrostatic'."
+            ) from None
 
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
         moment = f"t = {self.time + self.dt:.6g} s"
-        all_points = self.mesh.place(self.radius, points, self._shell)
+        if self._base is None:
+            self._base = self._relaxed(self._all_points, self._outline(points), moment)
+        all_points = self._elastic.follow(self._base, self._outline(points))
         swept = swept_volumes(self._all_points[self._boundary], all_points[self._boundary])
         self._swept_now = swept[: self.mesh.diaphragm_faces]
         missed = abs(swept.sum()) / self.volume
@@ -205,7 +227,7 @@ class OpenFoamFlow:
             cell = int(np.argmin(geometry.volume))
             place = ", ".join(f"{x:.3f}" for x in geometry.centre[cell])
             raise RunFailed(
-                f"{moment}: the flow's mesh folds over: cell {cell} near ({place}) m has the "
+                f"{moment}: the flow's mesh has an inverted cell: {cell} near ({place}) m has the "
                 f"volume {geometry.volume[cell]:.1e} m^3. Lower motion.amplitude, raise "
                 "openfoam.clearance, or take model.fluid = 'hydrostatic'."
             )
@@ -220,7 +242,7 @@ class OpenFoamFlow:
             "initial": self._initial,
             "shell": self._shell,
             "volume": np.array([self.volume]),
-            "points": self.points,
+            "points": self._all_points,
             "swept": self._swept,
             "flux": self._flux,
         }
@@ -234,8 +256,8 @@ class OpenFoamFlow:
         """The reverse of ``save``: the case is written anew, later times are gone."""
         self.start(saved["initial"], saved["shell"], float(saved["volume"][0]))
         self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
-        self.points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
-        self._all_points = self.mesh.place(self.radius, self.points, self._shell)
+        self._all_points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
+        self.points = self._all_points[self.mesh.patch_points]
         self._geometry = cell_geometry(self.mesh, self._all_points)
         self._kept = {0.0, self.time}
         folder = self.case.time_folder(self.time)

@@ -1,8 +1,9 @@
 """The liquid's added mass, by the finite-volume Neumann Laplacian of the flow's own mesh.
 
 The operator answers what OpenFOAM answers to an acceleration of the diaphragm from rest: the same
-cells, the same face coefficients (``Gauss linear corrected``), the same wall pressure. A coupling scheme that takes it into the structure's inertia therefore has little left to
-iterate; an under-estimate of any short wave would diverge.
+cells, the same face coefficients (``Gauss linear corrected``), the same wall pressure. A coupling
+scheme that takes it into the structure's inertia therefore has little left to iterate; an
+under-estimate of any short wave would diverge.
 """
 
 from __future__ import annotations

@@ -43,7 +43,8 @@ def read_cells(path: Path, cells: int) -> Array:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise OpenFoamFailed(f"{path}: the solver left no such field ({error.strerror}).") from error
+        reason = f"the solver left no such field ({error.strerror})"
+        raise OpenFoamFailed(f"{path}: {reason}.") from error
     found = _INTERNAL.search(data)
     if found is None:
         raise OpenFoamFailed(f"{path}: no internalField in this file.")
@@ -51,7 +52,9 @@ def read_cells(path: Path, cells: int) -> Array:
     if values is None:
         raise OpenFoamFailed(f"{path}: expected the values of {cells} cells.")
     if not np.isfinite(values).all():
-        raise OpenFoamFailed(f"{path}: the flow diverged, the field is not finite. Halve time.step.")
+        raise OpenFoamFailed(
+            f"{path}: the field is not finite, the flow diverged. Halve time.step."
+        )
     return values
 
 

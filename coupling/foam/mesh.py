@@ -1,13 +1,10 @@
-"""The liquid's hexahedral mesh: a cubed ball, or its lower half, that follows the diaphragm.
+"""The liquid's hexahedral mesh: a cubed ball, or its lower half, whose top is the diaphragm.
 
 Two topologies, neither ever changed in a run. The ``ball`` is a cube of n^3 cells wrapped in m
 layers of 6 n^2; the upper half of its surface is the patch ``diaphragm``. It suits a diaphragm that
 lies on the upper shell at its rim. The ``half_ball`` is cut from it at the equator and suits a
 diaphragm that leaves the wall at a right angle, which would squash the ball's cells at the rim.
-
-Points are linear in the boundary's, so that the mesh depends on where the diaphragm is and never
-on how it came there. In the ball the layers shrink towards a centre that follows the diaphragm
-(valid while the liquid is star-shaped about it); what is left is a harmonic extension.
+Where the points go as the diaphragm moves is the business of ``smoothing``.
 """
 
 from __future__ import annotations
@@ -17,8 +14,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array
-from scipy.sparse.linalg import SuperLU, splu
 
 from coupling.ports import Array, Ints
 
@@ -34,9 +29,6 @@ _EDGES = np.array(
 )
 CUBE_SIZE = 0.4  # half the inner cube's edge over R, on its axes
 CUBE_BULGE = 0.5  # 0: a cube, 1: a sphere; between them the cells at its edges stay open
-CENTRE_FOLLOWS = 1.0  # the centre's displacement over the diaphragm's mean displacement
-EXTENSION_EXPONENT = 2.0  # an edge of length l weighs l^-2: short edges stay as they are
-LAYER_EXPONENT = 1.5  # a point at radius r R takes r^1.5 of the boundary's displacement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,8 +36,7 @@ class LiquidMesh:
     """Topology in OpenFOAM's order, and the reference ball of radius 1.
 
     ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
-    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``edges`` (E, 2); ``ray`` (P,): the boundary
-    point on the ray of a point in the layers, -1 elsewhere; ``moulded`` (p, 3): where the patch's
+    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8); ``moulded`` (p, 3): where the patch's
     points lie in the moulded shape, on the unit hemisphere.
     """
 
@@ -55,8 +46,7 @@ class LiquidMesh:
     neighbour: Ints
     cells: int
     diaphragm_faces: int
-    edges: Ints = field(repr=False)
-    ray: Ints = field(repr=False)
+    hexes: Ints = field(repr=False)
     moulded: Array = field(repr=False)
 
     @property
@@ -73,6 +63,11 @@ class LiquidMesh:
     def shell(self) -> slice:
         """Faces of the patch ``shell``."""
         return slice(self.inner_faces + self.diaphragm_faces, len(self.faces))
+
+    @cached_property
+    def edges(self) -> Ints:
+        """Edges (E, 2) of all cells, each once."""
+        return np.unique(np.sort(self.hexes[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
 
     @cached_property
     def patch_points(self) -> Ints:
@@ -94,56 +89,11 @@ class LiquidMesh:
         """Points of the patch ``shell`` without the rim (s,)."""
         return np.setdiff1d(self.faces[self.shell], self.patch_points)
 
-    def place(self, radius: float, patch: Array, shell: Array | None = None) -> Array:
-        """All points (P, 3) [m] for the diaphragm's ``patch`` points (p, 3) [m].
-
-        The shell's points stay where the reference ball has them, or go to ``shell`` (s, 3) [m].
-        Cells are not checked: see ``cell_geometry``.
-        """
-        moved = np.zeros_like(self.points)
-        moved[self.patch_points] = patch - radius * self.points[self.patch_points]
-        if shell is not None:
-            moved[self.shell_points] = shell - radius * self.points[self.shell_points]
-        known, unknown, solver, coupling = self._extension
-        if (self.ray >= 0).any():
-            centre = self._centre_weight @ moved[self.patch_points]
-            share = np.linalg.norm(self.points[known], axis=1, keepdims=True) ** LAYER_EXPONENT
-            moved[known] = share * moved[self.ray[known]] + (1 - share) * centre
-        moved[unknown] = solver.solve(-np.asarray(coupling @ moved[known]))
-        return radius * self.points + moved
-
-    @cached_property
-    def _centre_weight(self) -> Array:
-        corner = self.points[self.patch_points][self.patch_faces]
-        area = np.linalg.norm(
-            np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1
-        )
-        weight = np.bincount(self.patch_faces.ravel(), np.repeat(area, 4))
-        return np.asarray(CENTRE_FOLLOWS * weight / weight.sum())
-
-    @cached_property
-    def _extension(self) -> tuple[Ints, Ints, SuperLU, csc_array]:
-        """Points placed directly, the others, and their harmonic extension."""
-        known = np.flatnonzero(self.ray >= 0)
-        if len(known) == 0:
-            known = np.unique(self.faces[self.inner_faces :])
-        unknown = np.setdiff1d(np.arange(len(self.points)), known)
-        first, second = self.edges.T
-        length = np.linalg.norm(self.points[first] - self.points[second], axis=1)
-        weight = np.tile(length**-EXTENSION_EXPONENT, 2)
-        rows, columns = np.r_[first, second], np.r_[second, first]
-        size = (len(self.points),) * 2
-        adjacency = coo_array((weight, (rows, columns)), shape=size)
-        diagonal = (np.arange(size[0]),) * 2
-        degree = coo_array((np.bincount(rows, weight), diagonal), shape=size)
-        block = csc_array(degree - adjacency)[unknown]
-        return known, unknown, splu(csc_array(block[:, unknown])), csc_array(block[:, known])
-
 
 def ball(cells: int) -> LiquidMesh:
     """The finest cubed ball of at most ``cells`` cells: n even, m = 0.8 n."""
-    points, hexes, ray = _blocks(*_divisions(cells, 1.0, 0.8))
-    mesh = _assemble(points, hexes, ray, top=1e-9)
+    points, hexes = _blocks(*_divisions(cells, 1.0, 0.8))
+    mesh = _assemble(points, hexes, top=1e-9)
     return replace(mesh, moulded=mesh.points[mesh.patch_points])
 
 
@@ -152,12 +102,10 @@ def half_ball(cells: int) -> LiquidMesh:
 
     A point of the flat top at the distance r from the axis is moulded at the polar angle r pi/2.
     """
-    points, hexes, _ = _blocks(*_divisions(cells, 0.5, 0.65))
+    points, hexes = _blocks(*_divisions(cells, 0.5, 0.65))
     hexes = hexes[points[hexes].mean(axis=1)[:, 2] < 0]
     used = np.unique(hexes)
-    mesh = _assemble(
-        points[used], np.searchsorted(used, hexes), np.full(len(used), -1), top=-1e-9
-    )
+    mesh = _assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
     disc = mesh.points[mesh.patch_points]
     distance = np.linalg.norm(disc, axis=1)
     angle = distance * np.pi / 2
@@ -181,7 +129,7 @@ def _divisions(cells: int, part: float, layers: float) -> tuple[int, int]:
     return n, round(layers * n)
 
 
-def _assemble(points: Array, hexes: Ints, ray: Ints, *, top: float) -> LiquidMesh:
+def _assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
     """Faces in OpenFOAM's order; boundary faces whose centre is above ``top`` are diaphragm."""
     flat = hexes[:, _FACES].reshape(-1, 4)
     cell = np.repeat(np.arange(len(hexes)), 6)
@@ -203,14 +151,13 @@ def _assemble(points: Array, hexes: Ints, ray: Ints, *, top: float) -> LiquidMes
         neighbour=neighbour[sort],
         cells=len(hexes),
         diaphragm_faces=len(patches[0]),
-        edges=np.unique(np.sort(hexes[:, _EDGES].reshape(-1, 2), axis=1), axis=0),
-        ray=ray,
+        hexes=hexes,
         moulded=np.empty((0, 3)),
     )
 
 
-def _blocks(n: int, m: int) -> tuple[Array, Ints, Ints]:
-    """Points (P, 3), hexahedra (c, 8) and rays (P,) of the seven blocks, shared points merged."""
+def _blocks(n: int, m: int) -> tuple[Array, Ints]:
+    """Points (P, 3) and hexahedra (c, 8) of the seven blocks, shared points merged."""
     s = np.linspace(-1.0, 1.0, n + 1)
     grids = [_bulge(np.stack(np.meshgrid(s, s, s, indexing="ij"), axis=-1))]
     layers = np.linspace(0.0, 1.0, m + 1)[:, None, None, None]
@@ -238,14 +185,14 @@ def _bulge(cube: Array) -> Array:
     return CUBE_SIZE * ((1 - CUBE_BULGE) * cube + CUBE_BULGE * sphere)
 
 
-def _merge(grids: list[Array]) -> tuple[Array, Ints, Ints]:
-    """Points shared between blocks made one; the first grid is the cube, others end outside."""
+def _merge(grids: list[Array]) -> tuple[Array, Ints]:
+    """Points shared between blocks made one."""
     flat = np.concatenate([g.reshape(-1, 3) for g in grids])
     rounded = np.round(flat, 9) + 0.0
     _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     points, inverse = flat[first], inverse.ravel()
     points[np.abs(points[:, 2]) < 1e-9, 2] = 0.0
-    hexes, start, ray = [], 0, np.full(len(points), -1)
+    hexes, start = [], 0
     for grid in grids:
         shape = np.array(grid.shape[:3])
         ids = inverse[start : start + shape.prod()].reshape(shape)
@@ -253,6 +200,4 @@ def _merge(grids: list[Array]) -> tuple[Array, Ints, Ints]:
         cells = np.stack(np.meshgrid(*(np.arange(k) for k in shape - 1), indexing="ij"), -1)
         corner = cells.reshape(-1, 1, 3) + _CORNERS
         hexes.append(ids[corner[..., 0], corner[..., 1], corner[..., 2]])
-        if grid is not grids[0]:
-            ray[ids] = ids[:, :, -1:]
-    return points, np.concatenate(hexes), ray
+    return points, np.concatenate(hexes)

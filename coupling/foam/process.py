@@ -58,9 +58,7 @@ def find_openfoam(command: str = "pimpleFoam") -> OpenFoam:
             f"{found}: no etc/controlDict below {project}. "
             "Set WM_PROJECT_DIR to OpenFOAM's folder, or source its etc/bashrc."
         )
-    return OpenFoam(
-        solver=Path(found), project_dir=project, version=_version(found, str(project))
-    )
+    return OpenFoam(solver=Path(found), project_dir=project, version=_version(found, str(project)))
 
 
 @lru_cache(maxsize=4)
@@ -75,9 +73,9 @@ def _version(solver: str, project: str) -> str:
         return "unknown"
     for line in (answer.stdout + answer.stderr).splitlines():
         if "OpenFOAM-" in line:
-            return line.split("OpenFOAM-", 1)[1].split()[0].rstrip(".,(")
+            return line.split("OpenFOAM-", 1)[1].split()[0].strip(".,()")
         if line.startswith("Using: OpenFOAM"):
-            return line.split(" ", 2)[-1]
+            return line.split(" ", 2)[-1].split()[0].strip(".,()")
     return "unknown"
 
 

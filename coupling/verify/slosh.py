@@ -1,4 +1,4 @@
-"""Free-surface slosh in a sphere: the liquid's lateral eigenfrequency through the whole coupling."""
+"""Free-surface slosh in a sphere: the lateral eigenfrequency through the whole coupling."""
 
 from __future__ import annotations
 
@@ -59,8 +59,12 @@ def slosh(
     return VerifyResult(
         case="slosh",
         options={
-            "level": level, "mode": mode, "fluid": fluid, "step": step, "resolution": resolution,
-        },  # fmt: skip
+            "level": level,
+            "mode": mode,
+            "fluid": fluid,
+            "step": step,
+            "resolution": resolution,
+        },
         quantities=(quantity("lambda", found**2 * RADIUS / GRAVITY, exact),),
         wall_s=perf_counter() - clock,
     )
@@ -95,7 +99,7 @@ def _release(
         if not outcome.converged:
             raise RunFailed(f"verify slosh: step {number} left {outcome.residual:.1e}.")
         signal.append(surface.moment(shape))
-    return step * np.arange(steps + 1), np.array(signal)
+    return np.linspace(0.0, step * steps, steps + 1), np.array(signal)
 
 
 def _level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
@@ -118,7 +122,8 @@ def _level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
     below = shell[cKDTree(shell).query(patch[mesh.rim])[1]]
     edge = patch[mesh.rim] - below
     path[mesh.rim] = edge / edge[:, 2:]
-    points = mesh.place(1.0, patch, shell)
+    points = np.zeros_like(mesh.points)
+    points[mesh.patch_points], points[mesh.shell_points] = patch, shell
     volume = np.pi * (1 + level) ** 2 * (2 - level) / 3
     size = RADIUS * (volume / fan_volume(points[mesh.faces[mesh.inner_faces :]])) ** (1 / 3)
     return size * patch, size * shell, path
