@@ -37,19 +37,20 @@ class MovingLeastSquares:
         target_rim: NDArray[np.bool_],
     ) -> None:
         self.weights = np.zeros((len(target), len(source)))
-        spacing = cKDTree(target).query(target, k=4)[0][:, 3]
+        spacing = np.asarray(cKDTree(target).query(target, k=4)[0])[:, 3]
         tree = cKDTree(source)
-        for row in np.flatnonzero(~target_rim):
+        for row in np.flatnonzero(~target_rim).tolist():
             radius = SUPPORT * spacing[row]
             near = np.asarray(tree.query_ball_point(target[row], radius))
             if len(near) < NEIGHBOURS_AT_LEAST:
-                distance, near = tree.query(target[row], k=NEIGHBOURS_AT_LEAST)
-                radius = 1.01 * float(distance[-1])
+                near, farthest = _nearest(tree, target[row], NEIGHBOURS_AT_LEAST)
+                radius = 1.01 * farthest
             self._fill(row, np.sort(near), source, target[row], radius)
         rim = np.flatnonzero(source_rim)
-        for row in np.flatnonzero(target_rim):
-            distance, near = cKDTree(source[rim]).query(target[row], k=RIM_NEIGHBOURS)
-            self._fill(row, np.sort(rim[near]), source, target[row], 1.5 * float(distance[-1]))
+        rim_tree = cKDTree(source[rim])
+        for row in np.flatnonzero(target_rim).tolist():
+            near, farthest = _nearest(rim_tree, target[row], RIM_NEIGHBOURS)
+            self._fill(row, np.sort(rim[near]), source, target[row], 1.5 * farthest)
 
     def _fill(self, row: int, near: Ints, source: Array, target: Array, radius: float) -> None:
         offset = (source[near] - target) / radius
@@ -71,6 +72,12 @@ class MovingLeastSquares:
     def rows_to_cloth(self, rows: Array) -> Array:
         """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
         return np.ascontiguousarray(np.matmul(self.weights.T, rows))
+
+
+def _nearest(tree: cKDTree, point: Array, count: int) -> tuple[Ints, float]:
+    """The ``count`` nodes next to ``point`` (3,), and the distance [m] of the farthest of them."""
+    distance, near = tree.query(point, k=count)
+    return np.asarray(near), float(np.asarray(distance)[-1])
 
 
 class Matching:

@@ -89,6 +89,7 @@ class IqnIls:
     that depend on newer ones (Haelterman et al., Comput. Struct. 171, 2016).
     """
 
+    FILTER = 1e-3  # of a column's length: what must be left beyond the newer columns
 
     def __init__(self, relaxation: float, reuse: int) -> None:
         self.relaxation, self.reuse = relaxation, reuse
@@ -115,7 +116,7 @@ class IqnIls:
         keep = self._independent(v)
         q, r = np.linalg.qr(v[:, keep])
         coefficient = np.linalg.solve(r, -(q.T @ residual))
-        return image + w[:, keep] @ coefficient
+        return np.asarray(image + w[:, keep] @ coefficient)
 
     def _independent(self, v: Array) -> list[int]:
         """Columns, newest first, that are not combinations of newer ones (modified QR)."""

@@ -17,14 +17,21 @@ class FreeSurface:
     """Small heights above a level surface whose nodes are the flow's patch points.
 
     A node moves along ``path`` (p, 3), which is 1 along gravity's opposite: straight up inside, and
-    tangentially to the wall at the rim. Gravity's stiffness rho g A acts on the faces' means, as the
-    flow's pressure does, but for a share ``LUMPED`` on the nodes, which gives a stiffness to the
-    checkerboard that no mean sees. A surface mass ``mass`` [kg/m^2] is lumped. Exact for small heights up to the grid's error; steps are
-    ``backward``, the first one Euler.
+    tangentially to the wall at the rim. Gravity's stiffness rho g A acts on the faces' means, as
+    the flow's pressure does, but for a share ``LUMPED`` on the nodes, which gives a stiffness to
+    the checkerboard that no mean sees. A surface mass ``mass`` [kg/m^2] is lumped. Exact for small
+    heights up to the grid's error; steps are ``backward``, the first one Euler.
     """
 
     def __init__(
-        self, points: Array, faces: Ints, path: Array, *, mass: float, density: float, gravity: float
+        self,
+        points: Array,
+        faces: Ints,
+        path: Array,
+        *,
+        mass: float,
+        density: float,
+        gravity: float,
     ) -> None:
         self.reference, self.path = points, path
         self.triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
@@ -37,9 +44,8 @@ class FreeSurface:
         along = np.einsum("fkx,fkx->fk", swept_gradient(points[faces]), path[faces])
         np.add.at(flux, (np.arange(len(faces))[:, None], faces), along)
         means = flux.T @ (flux / flux.sum(axis=1)[:, None])
-        self._stiffness = density * gravity * (
-            (1 - LUMPED) * means + LUMPED * np.diag(self._area)
-        )
+        lumped = np.diag(self._area)
+        self._stiffness = density * gravity * ((1 - LUMPED) * means + LUMPED * lumped)
         self.height = np.zeros(len(points))
         self.speed = np.zeros((2, len(points)))  # now, one step ago
         self._before = self.height
@@ -69,7 +75,8 @@ class FreeSurface:
             self._rows = np.einsum("rpx,px->rp", added_mass, self.path)
             matrix += self._rows.T @ self._rows / self.acceleration_scale
         # Bordered by the volume: the heights add none.
-        self._matrix = np.block([[matrix, self._area[:, None]], [self._area[None], np.zeros((1, 1))]])
+        border = self._area[:, None]
+        self._matrix = np.block([[matrix, border], [border.T, np.zeros((1, 1))]])
 
     @property
     def acceleration_scale(self) -> float:
@@ -78,7 +85,7 @@ class FreeSurface:
 
     def inertial_prediction(self) -> Array:
         """Where the nodes (p, 3) [m] would go without forces."""
-        return self.reference + self._predicted[:, None] * self.path
+        return np.asarray(self.reference + self._predicted[:, None] * self.path)
 
     def solve(self, force: Array) -> Array:
         """Nodes (p, 3) [m] under nodal ``force`` (p, 3) [N]."""
