@@ -52,15 +52,18 @@ def read_cells(path: Path, cells: int) -> Array:
     if values is None:
         raise OpenFoamFailed(f"{path}: expected the values of {cells} cells.")
     if not np.isfinite(values).all():
-        raise OpenFoamFailed(
-            f"{path}: the field is not finite, the flow diverged. Halve time.step."
-        )
+        raise OpenFoamFailed(f"{path}: the flow diverged, it is not finite. Halve time.step.")
     return values
 
 
 def _uniform(data: bytes, found: re.Match[bytes], cells: int) -> Array | None:
     text = data[found.end() :].split(b";", 1)[0].strip(b"() \n")
-    value = np.array([float(part) for part in text.split()])
+    try:
+        value = np.array([float(part) for part in text.split()])
+    except ValueError:
+        return None
+    if len(value) not in (1, 3):
+        return None
     return np.tile(value, (cells, 1)) if len(value) == 3 else np.full(cells, value[0])
 
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -85,24 +87,25 @@ def run_program(
     """Run ``program -case case`` to its end; its output goes to ``log``.
 
     ``timeout`` [s] of wall time; ``moment`` says in errors when it was called. Raises
-    ``OpenFoamFailed`` with the last lines of the log. Only the process started here is ended.
+    ``OpenFoamFailed`` with the last lines of the log. Only the process started here is ended,
+    with those that it started itself: it leads a group of its own.
     """
     try:
         with log.open("w") as output, subprocess.Popen(
             [str(program), "-case", str(case)],
             cwd=case, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-            env=openfoam.environment | {"PWD": str(case)},
+            env=openfoam.environment | {"PWD": str(case)}, process_group=0,
         ) as process:  # fmt: skip
             try:
                 status = process.wait(timeout)
             except subprocess.TimeoutExpired:
-                process.kill()
+                _end(process)
                 raise OpenFoamFailed(
                     f"{moment}: {program.name} gave no answer within {timeout:g} s and was ended. "
                     f"Raise openfoam.timeout, or read {log}.\n{log_tail(log)}"
                 ) from None
             except BaseException:
-                process.kill()
+                _end(process)
                 raise
     except OSError as error:
         raise OpenFoamFailed(f"{moment}: {program} cannot be started: {error}.") from error
@@ -112,6 +115,12 @@ def run_program(
             f"{moment}: {program.name} ended with {cause}. "
             f"Halve time.step, or read {log}.\n{log_tail(log)}"
         )
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Kill ``process``, not yet waited for, and its group."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def log_tail(log: Path) -> str:
