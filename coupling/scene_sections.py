@@ -191,6 +191,12 @@ class Cloth(Section):
         default=0.01, gt=0, lt=1, description="largest principal tensile strain to report as kept"
     )
     iterations: int = Field(default=20, ge=1, le=10000, description="inner iterations of a solve")
+    bending_damping: float = Field(
+        default=1.0,
+        ge=0,
+        description="bending moment per rate over that per curvature [s]; stands for folds below "
+        "the grid",
+    )
     drag: float = Field(default=100.0, ge=0, description="tangential drag of slack cloth [1/s]")
 
 

@@ -24,7 +24,10 @@ def diaphragm_of(scene: Scene) -> Cloth:
     """
     rubber, radius = scene.diaphragm, scene.tank.radius
     clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
-    iterations = scene.cloth.iterations
+    settings = {
+        "iterations": scene.cloth.iterations,
+        "bending_damping": scene.cloth.bending_damping,
+    }
     return Cloth(
         mesh=hemisphere(radius, scene.cloth.resolution),
         diaphragm=Diaphragm(
@@ -36,8 +39,8 @@ def diaphragm_of(scene: Scene) -> Cloth:
         shell_radius=radius,
         strain_limit=scene.cloth.strain_limit,
         clearance=clearance,
-        dry=replace(DRY, iterations=iterations),
-        wet=replace(WET, iterations=iterations, drag=scene.cloth.drag),
+        dry=replace(DRY, **settings),
+        wet=replace(WET, **settings, drag=scene.cloth.drag),
     )
 
 

@@ -17,6 +17,8 @@ from coupling.ports import Array, Ints
 _INTERNAL = re.compile(rb"internalField\s+(uniform|nonuniform)\s*")
 _COUNT = re.compile(rb"List<(scalar|vector)>\s*\n?(\d+)\s*\n?\(")
 
+_POINTS = re.compile(rb"\n(\d+)\s*\n?\(")
+
 
 def header(kind: str, name: str, location: str, *, binary: bool) -> str:
     """The FoamFile header of a ``kind`` called ``name``."""
@@ -33,6 +35,22 @@ def write_points(path: Path, points: Array) -> None:
     head = header("vectorField", path.name, path.parent.name, binary=True)
     body = np.ascontiguousarray(points, dtype="<f8").tobytes()
     path.write_bytes(head.encode() + f"\n{len(points)}\n(".encode() + body + b")\n")
+
+
+def read_points(path: Path) -> Array:
+    """Points (P, 3) [m] of a binary ``vectorField``, bit for bit as they were written.
+
+    Raises ``OpenFoamFailed`` where the file is missing or shorter than it says.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise OpenFoamFailed(f"{path}: no points here ({error.strerror}).") from error
+    start = _POINTS.search(data)
+    if start is None or len(data) < start.end() + 24 * int(start[1]):
+        raise OpenFoamFailed(f"{path}: expected points, complete and binary.")
+    values = np.frombuffer(data, "<f8", 3 * int(start[1]), start.end())
+    return values.astype(float).reshape(-1, 3)
 
 
 def read_cells(path: Path, cells: int) -> Array:

@@ -43,6 +43,7 @@ class FreeSurface:
         flux = np.zeros((len(faces), len(points)))
         along = np.einsum("fkx,fkx->fk", swept_gradient(points[faces]), path[faces])
         np.add.at(flux, (np.arange(len(faces))[:, None], faces), along)
+        self._flux, self._centre = flux, points[faces].mean(axis=1)
         means = flux.T @ (flux / flux.sum(axis=1)[:, None])
         lumped = np.diag(self._area)
         self._stiffness = density * gravity * ((1 - LUMPED) * means + LUMPED * lumped)
@@ -60,7 +61,9 @@ class FreeSurface:
         return float((self._area * shape) @ self.height)
 
     def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
-        """Start a step of ``dt`` [s]; of ``load`` only gravity counts, which is built in."""
+        """Start a step of ``dt`` [s]; gravity is built in, ``load`` adds its horizontal part."""
+        sideways = load.body_force * (1.0, 1.0, 0.0)
+        self._push = load.density * self._flux.T @ (self._centre @ sideways)
         if self.steps == 0:
             self._scale = dt
             self._from, speed = self.height, self.speed[0]
@@ -89,7 +92,7 @@ class FreeSurface:
 
     def solve(self, force: Array) -> Array:
         """Nodes (p, 3) [m] under nodal ``force`` (p, 3) [N]."""
-        right = np.einsum("px,px->p", force, self.path)
+        right = np.einsum("px,px->p", force, self.path) + self._push
         right = right + self._mass * self._predicted / self.acceleration_scale
         if self._rows is not None:
             right += self._rows.T @ (self._rows @ self._predicted) / self.acceleration_scale

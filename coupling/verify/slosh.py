@@ -78,7 +78,7 @@ def _release(
         folder, half_ball(cells), openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
         viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
-    level_patch, shell, path = _level_shape(flow.mesh, level - 1.0)
+    level_patch, shell, path = level_shape(flow.mesh, level - 1.0)
     surface = FreeSurface(
         level_patch, flow.faces, path, mass=1e-3, density=DENSITY, gravity=GRAVITY
     )
@@ -102,7 +102,7 @@ def _release(
     return np.linspace(0.0, step * steps, steps + 1), np.array(signal)
 
 
-def _level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
+def level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
     """Patch (p, 3), shell (s, 3) [m] and paths (p, 3) of a surface at z = ``level`` R.
 
     All points lie a little off the sphere, so that the polyhedron has the liquid's volume.
