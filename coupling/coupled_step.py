@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from coupling.convergence import Convergence
-from coupling.mapping import Matching, MovingLeastSquares
-from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, Scheme, Structure
 from coupling.interface import pressure_force
+from coupling.mapping import Matching, MovingLeastSquares
+from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, RunFailed, Scheme, Structure
 
+DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
 _HISTORY = 3  # steps the predictor extrapolates
 _EXTRAPOLATION = {0: (), 1: (1.0,), 2: (2.0, -1.0), 3: (3.0, -3.0, 1.0)}
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepOutcome:
-    """What a coupled step took: ``residual`` relative, ``wall`` [s] by part."""
+    """What a coupled step took: ``residual`` relative, ``nodal_force`` of p* on the
+    structure's nodes (n, 3) [N]."""
 
     iterations: int
     residual: float
@@ -66,18 +69,26 @@ class CoupledStep:
         x = self._begin(time, dt, load)
         for iteration in range(1, self.max_iterations + 1):
             clock = perf_counter()
-            pressure = self._timed("fluid", lambda x=x: self.flow.solve(x))
+            with self._timed("fluid"):
+                pressure = self.flow.solve(x)
             force = pressure_force(x, self.flow.faces, pressure)
             acceleration = (x - self._inertial) / self.structure.acceleration_scale
             nodal = self.mapping.to_cloth(force + self._inertia(acceleration))
             image = self._structure_answer(nodal)
-            relative = self.convergence.relative(image - x, image - start)
+            relative = self.convergence.relative(image - x, x - start)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
             converged = relative <= self.convergence.tolerance
-            if converged or iteration == self.max_iterations or not np.isfinite(relative):
+            if converged or iteration == self.max_iterations:
                 break
+            if not relative < DIVERGED:
+                raise RunFailed(
+                    f"t = {time + dt:.6g} s: the coupling diverges: iteration {iteration} would "
+                    f"move the interface by {relative:.1e} of the step's own displacement. "
+                    "Take coupling.scheme = 'added-mass', or raise diaphragm.density."
+                )
             update = self.scheme.update(x.ravel(), (image - x).ravel()).reshape(x.shape)
-            x = self._timed("mapping", lambda: self.flow.close_volume(update))
+            with self._timed("mapping"):
+                x = self.flow.close_volume(update)
         self._force = [force, *self._force][:_HISTORY]
         self._acceleration = [acceleration, *self._acceleration][:_HISTORY]
         self._previous = start
@@ -97,9 +108,12 @@ class CoupledStep:
         self.flow.begin_step(time, dt)
         rows = None
         if self.added_mass:
-            self._rows = self._timed("fluid", self.flow.added_mass)
-            rows = self._timed("mapping", lambda: self.mapping.rows_to_cloth(self._rows))
-        self._timed("structure", lambda: self.structure.begin_step(dt, load, rows))
+            with self._timed("fluid"):
+                self._rows = self.flow.added_mass()
+            with self._timed("mapping"):
+                rows = self.mapping.rows_to_cloth(self._rows)
+        with self._timed("structure"):
+            self.structure.begin_step(dt, load, rows)
         self._inertial = self.mapping.to_flow(self.structure.inertial_prediction())
         if self.added_mass:
             past = zip(self._force, self._acceleration, strict=True)
@@ -117,16 +131,17 @@ class CoupledStep:
         return np.tensordot(np.tensordot(self._rows, acceleration, 2), self._rows, 1)
 
     def _structure_answer(self, force: Array) -> Array:
-        nodes = self._timed("structure", lambda: self.structure.solve(force))
-        return self._timed(
-            "mapping", lambda: self.flow.close_volume(self.mapping.to_flow(nodes))
-        )
+        """The interface (p, 3) that nodal ``force`` (n, 3) [N] leads to, its volume closed."""
+        with self._timed("structure"):
+            nodes = self.structure.solve(force)
+        with self._timed("mapping"):
+            return self.flow.close_volume(self.mapping.to_flow(nodes))
 
-    def _timed(self, part: str, call: Callable[[], Array]) -> Array:
+    @contextmanager
+    def _timed(self, part: str) -> Iterator[None]:
         clock = perf_counter()
-        answer = call()
+        yield
         self.wall[part] += perf_counter() - clock
-        return answer
 
     def save(self) -> dict[str, Array]:
         """The predictor's history."""

@@ -215,7 +215,7 @@ class _Run:
     def _flow_metrics(self, flow: FlowSample | None) -> dict[str, float]:
         names = ("speed_max", "dphi_dt_max", "non_orthogonality_max", "volume_error")
         if flow is None:
-            values = {name: 0.0 for name in names}
+            values = dict.fromkeys(names, 0.0)
             values["non_orthogonality_max"] = self.flow.non_orthogonality_max
             return values
         return {name: float(getattr(flow, name)) for name in names}

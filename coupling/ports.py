@@ -36,21 +36,28 @@ class HydrostaticLoad:
     datum: float | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class StructureState:
-    """Where the diaphragm stands after a step (arrays are copies).
+class StructureState(Protocol):
+    """Where the diaphragm stands after a step (arrays are copies)."""
 
-    ``position``, ``velocity`` (n, 3) [m, m/s]; ``datum_pressure`` [Pa]; ``volume`` of the liquid
-    [m^3]; ``strain`` (m,), the largest principal tensile strain of every triangle;
-    ``change``: the last inner iteration's rms displacement [m], the solver's own error.
-    """
+    @property
+    def position(self) -> Array:
+        """Nodes (n, 3) [m]."""
 
-    position: Array
-    velocity: Array
-    datum_pressure: float
-    volume: float
-    strain: Array
-    change: float
+    @property
+    def velocity(self) -> Array:
+        """Of the nodes (n, 3) [m/s]."""
+
+    @property
+    def datum_pressure(self) -> float:
+        """p0 [Pa], the volume's multiplier or the given datum."""
+
+    @property
+    def volume(self) -> float:
+        """Of the liquid [m^3], as the structure's triangles enclose it."""
+
+    @property
+    def strain(self) -> Array:
+        """Largest principal tensile strain of every triangle (m,)."""
 
 
 class Structure(Protocol):
@@ -60,9 +67,7 @@ class Structure(Protocol):
     triangles: Ints  # (m, 3), counter-clockwise seen from the gas
     fixed: NDArray[np.bool_]  # (n,) clamped nodes
 
-    def begin_step(
-        self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None
-    ) -> None:
+    def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
         """Start a step of ``dt`` [s] from the committed state.
 
         ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.

@@ -1,7 +1,7 @@
 """Coupling schemes for the interface's fixed point x = S(F(x)), behind one protocol.
 
-Each has the form its paper gives it. ``added_mass`` says whether the structure takes the liquid's
-inertia into its own step (a Robin condition), which changes S, not the scheme.
+Each has the form its paper gives it. With the added-mass scheme the structure takes the liquid's
+inertia into its own step (a Robin condition), which changes S.
 """
 
 from __future__ import annotations
@@ -35,14 +35,6 @@ class FixedPoint:
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """No memory."""
-
-
-class AddedMass(FixedPoint):
-    """The plain fixed point of a structure that carries the liquid's inertia (Robin-Neumann).
-
-    Its factor per mode is (M_flow - M_a) c / ((M_s + M_a) c + K): small when M_a is the flow's own
-    discrete operator.
-    """
 
 
 class Aitken(FixedPoint):
@@ -151,6 +143,18 @@ class IqnIls:
         self._steps = [(saved[f"v{k}"], saved[f"w{k}"]) for k in range(count)]
 
 
+class AddedMass(IqnIls):
+    """Quasi-Newton steps of a structure that carries the liquid's inertia (Robin-Neumann).
+
+    The plain fixed point then has the factor (M_flow - M_a) c / ((M_s + M_a) c + K) per mode, small
+    when M_a is the flow's own discrete operator, so that the first step needs no relaxation. What
+    is left where the shape changes violently is a few slow modes, which the columns take care of.
+    """
+
+    def __init__(self, reuse: int) -> None:
+        super().__init__(1.0, reuse)
+
+
 def scheme_named(name: str, *, relaxation: float, reuse: int) -> tuple[Scheme, bool]:
     """The scheme of the scene's ``coupling.scheme``, and whether it takes the added mass in."""
     match name:
@@ -161,5 +165,5 @@ def scheme_named(name: str, *, relaxation: float, reuse: int) -> tuple[Scheme, b
         case "iqn-ils":
             return IqnIls(relaxation, reuse), False
         case "added-mass":
-            return AddedMass(), True
+            return AddedMass(reuse), True
     raise ValueError(f"no coupling scheme '{name}'")

@@ -22,14 +22,10 @@ def diaphragm_of(scene: Scene) -> Cloth:
 
     A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell.
     """
-    rubber, radius = scene.diaphragm, scene.tank.radius
+    cloth, rubber, radius = scene.cloth, scene.diaphragm, scene.tank.radius
     clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
-    settings = {
-        "iterations": scene.cloth.iterations,
-        "bending_damping": scene.cloth.bending_damping,
-    }
     return Cloth(
-        mesh=hemisphere(radius, scene.cloth.resolution),
+        mesh=hemisphere(radius, cloth.resolution),
         diaphragm=Diaphragm(
             thickness=rubber.thickness,
             density=rubber.density,
@@ -37,10 +33,15 @@ def diaphragm_of(scene: Scene) -> Cloth:
             poisson_ratio=rubber.poisson_ratio,
         ),
         shell_radius=radius,
-        strain_limit=scene.cloth.strain_limit,
+        strain_limit=cloth.strain_limit,
         clearance=clearance,
-        dry=replace(DRY, **settings),
-        wet=replace(WET, **settings, drag=scene.cloth.drag),
+        dry=replace(DRY, iterations=cloth.iterations, bending_damping=cloth.bending_damping),
+        wet=replace(
+            WET,
+            iterations=cloth.iterations,
+            bending_damping=cloth.bending_damping,
+            drag=cloth.drag,
+        ),
     )
 
 

@@ -249,7 +249,7 @@ class OpenFoamFlow:
         for path in sorted(folder.rglob("*")):
             if path.is_file():
                 name = "file:" + path.relative_to(folder).as_posix()
-                saved[name] = np.frombuffer(path.read_bytes(), np.uint8)  # type: ignore[assignment]
+                saved[name] = np.frombuffer(path.read_bytes(), np.uint8)
         return saved
 
     def restore(self, saved: Mapping[str, Array]) -> None:

@@ -36,8 +36,8 @@ class LiquidMesh:
     """Topology in OpenFOAM's order, and the reference ball of radius 1.
 
     ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
-    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8); ``moulded`` (p, 3): where the patch's
-    points lie in the moulded shape, on the unit hemisphere.
+    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8); ``moulded`` (p, 3): where the
+    patch's points lie in the moulded shape, on the unit hemisphere.
     """
 
     points: Array
@@ -182,7 +182,7 @@ def _bulge(cube: Array) -> Array:
     direction = np.tan(cube * np.pi / 4)
     length = np.linalg.norm(direction, axis=-1, keepdims=True)
     sphere = direction / np.where(length > 0, length, 1.0) * largest
-    return CUBE_SIZE * ((1 - CUBE_BULGE) * cube + CUBE_BULGE * sphere)
+    return np.asarray(CUBE_SIZE * ((1 - CUBE_BULGE) * cube + CUBE_BULGE * sphere))
 
 
 def _merge(grids: list[Array]) -> tuple[Array, Ints]:

@@ -28,7 +28,7 @@ class MeshFolds(Exception):  # noqa: N818 - named for what happens
     """No valid mesh was found inside a boundary."""
 
 
-@numba.njit(cache=True)  # type: ignore[misc]
+@numba.njit(cache=True)
 def corner_energy(
     points: Array, corners: Ints, inverse: Array, size: float, weight: float, gradient: Array
 ) -> float:

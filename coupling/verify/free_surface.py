@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coupling.interface import swept_gradient
-from coupling.ports import Array, HydrostaticLoad, Ints, StructureState
+from coupling.ports import Array, HydrostaticLoad, Ints
 
 LUMPED = 0.05
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceState:
+    """A ``StructureState``; ``volume`` [m^3] is what the heights add."""
+
+    position: Array
+    velocity: Array
+    datum_pressure: float
+    volume: float
+    strain: Array
 
 
 class FreeSurface:
@@ -106,15 +118,14 @@ class FreeSurface:
         self.steps += 1
 
     @property
-    def state(self) -> StructureState:
+    def state(self) -> SurfaceState:
         """The committed state."""
-        return StructureState(
+        return SurfaceState(
             position=self.reference + self.height[:, None] * self.path,
             velocity=self.speed[0][:, None] * self.path,
             datum_pressure=0.0,
             volume=float(self._area @ self.height),
             strain=np.zeros(len(self.triangles)),
-            change=0.0,
         )
 
     def save(self) -> dict[str, Array]:
