@@ -114,7 +114,9 @@ class IqnIls:
         """Columns, newest first, that are not combinations of newer ones (modified QR)."""
         keep: list[int] = []
         basis = np.empty((len(v), 0))
-        for column in range(min(v.shape[1], len(v))):
+        for column in range(v.shape[1]):
+            if len(keep) == len(v):
+                break
             vector = v[:, column]
             rest = vector - basis @ (basis.T @ vector)
             rest -= basis @ (basis.T @ rest)
