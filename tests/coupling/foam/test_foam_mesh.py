@@ -1,0 +1,102 @@
+"""Topology of the liquid's mesh, as OpenFOAM asks for it."""
+
+import numpy as np
+import pytest
+
+from coupling.foam.geometry import cell_geometry, fan_volume
+from coupling.foam.mesh import ball, half_ball
+from coupling.foam.smoothing import ElasticMesh, MeshFolds
+
+
+@pytest.fixture(params=[(ball, 352), (ball, 1300), (half_ball, 176), (half_ball, 650)],
+                ids=lambda p: f"{p[0].__name__}{p[1]}")  # fmt: skip
+def mesh(request):
+    topology, cells = request.param
+    return topology(cells)
+
+
+def test_owner_is_the_lower_cell_and_order_is_upper_triangular(mesh):
+    inner = mesh.inner_faces
+    owner, neighbour = mesh.owner[:inner], mesh.neighbour
+    assert (owner < neighbour).all()
+    order = owner * mesh.cells + neighbour
+    assert (np.diff(order) > 0).all()
+
+
+def test_every_cell_has_six_faces_and_every_point_is_used(mesh):
+    count = np.bincount(np.concatenate([mesh.owner, mesh.neighbour]), minlength=mesh.cells)
+    assert (count == 6).all()
+    assert (np.unique(mesh.faces) == np.arange(len(mesh.points))).all()
+
+
+def test_euler_characteristic_is_a_ball(mesh):
+    assert len(mesh.points) - len(mesh.edges) + len(mesh.faces) - mesh.cells == 1
+
+
+def test_boundary_faces_point_outwards(mesh):
+    geometry = cell_geometry(mesh, mesh.points)
+    assert (geometry.volume > 0).all()
+    boundary = slice(mesh.inner_faces, None)
+    reach = geometry.face_centre[boundary] - geometry.centre[mesh.owner[boundary]]
+    assert (np.sum(reach * geometry.face_area[boundary], axis=1) > 0).all()
+    inner = geometry.centre[mesh.neighbour] - geometry.centre[mesh.owner[: mesh.inner_faces]]
+    assert (np.sum(inner * geometry.face_area[: mesh.inner_faces], axis=1) > 0).all()
+
+
+def test_boundary_is_closed_and_its_patches_meet_at_the_rim(mesh):
+    loops = mesh.faces[mesh.inner_faces :]
+    directed = np.concatenate([loops[:, [k, (k + 1) % 4]] for k in range(4)])
+    forward = {tuple(edge) for edge in directed.tolist()}
+    assert len(forward) == len(directed)
+    assert all((b, a) in forward for a, b in forward)
+    rim = mesh.points[mesh.patch_points][mesh.rim]
+    assert np.abs(rim[:, 2]).max() < 1e-12
+    assert np.linalg.norm(rim, axis=1) == pytest.approx(1.0)
+    assert mesh.diaphragm.stop == mesh.shell.start
+    assert mesh.shell.stop == len(mesh.faces)
+
+
+def test_moulded_shape_is_the_unit_hemisphere(mesh):
+    assert np.linalg.norm(mesh.moulded, axis=1) == pytest.approx(1.0)
+    assert mesh.moulded[:, 2].min() == pytest.approx(0.0, abs=1e-12)
+    assert np.abs(mesh.moulded[mesh.rim] - mesh.points[mesh.patch_points][mesh.rim]).max() < 1e-12
+
+
+@pytest.mark.parametrize(("topology", "coarsest"), [(ball, 56), (half_ball, 16)])
+def test_too_few_cells_are_refused(topology, coarsest):
+    with pytest.raises(ValueError, match="coarsest mesh has"):
+        topology(coarsest // 2)
+    assert topology(352).cells <= 352
+
+
+def test_interior_follows_linearly():
+    mesh = half_ball(176)
+    elastic = ElasticMesh(mesh, 1.0)
+    one, two = mesh.points + 0.05 * np.sin(3 * mesh.points), mesh.points * (1.0, 0.9, 1.1)
+    follow = lambda goal: elastic.follow(mesh.points, goal) - mesh.points  # noqa: E731
+    both = follow(one + two - mesh.points)
+    assert np.abs(both - follow(one) - follow(two)).max() < 1e-12
+    shift = np.array([0.1, 0.2, 0.3])
+    assert np.abs(follow(mesh.points + shift) - shift).max() < 1e-12
+
+
+def test_relaxed_mesh_is_valid_where_a_linear_one_folds():
+    mesh = half_ball(176)
+    elastic = ElasticMesh(mesh, 1.0)
+    outline = mesh.points.copy()
+    disc = mesh.patch_points
+    height = -0.75 * (1 - np.sum(mesh.points[disc, :2] ** 2, axis=1))
+    outline[disc, 2] += height
+    boundary = mesh.faces[mesh.inner_faces :]
+    size = fan_volume(outline[boundary]) / fan_volume(mesh.points[boundary])
+    relaxed = elastic.relax(mesh.points, outline, size=size)
+    assert cell_geometry(mesh, relaxed).volume.min() > 0
+    assert (relaxed[elastic.boundary] == outline[elastic.boundary]).all()
+
+
+def test_impossible_boundary_is_refused():
+    mesh = half_ball(176)
+    outline = mesh.points.copy()
+    outline[mesh.patch_points, 2] -= 2.0 * (1 - np.sum(mesh.points[mesh.patch_points, :2] ** 2, 1))
+    with pytest.raises(MeshFolds):
+        ElasticMesh(mesh, 1.0).relax(mesh.points, outline, size=0.5)

@@ -1,0 +1,31 @@
+"""When a coupled step counts as converged."""
+
+import numpy as np
+import pytest
+
+from coupling.convergence import Convergence, rms
+
+
+def test_rms_is_of_lengths():
+    assert rms(np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]])) == pytest.approx(5 / np.sqrt(2))
+
+
+def test_residual_is_measured_by_the_step():
+    criterion = Convergence(tolerance=1e-3, floor=0.0)
+    residual, increment = np.full((7, 3), 1e-5), np.full((7, 3), 1e-2)
+    assert criterion.relative(residual, increment) == pytest.approx(1e-3)
+
+
+def test_step_at_rest_is_measured_by_the_floor():
+    criterion = Convergence(tolerance=1e-3, floor=2e-4)
+    residual = np.tile([1e-7, 0.0, 0.0], (5, 1))
+    assert criterion.relative(residual, np.zeros((5, 3))) == pytest.approx(5e-4)
+    assert criterion.relative(np.zeros((5, 3)), np.zeros((5, 3))) == 0.0
+
+
+def test_scaling_of_all_lengths_changes_nothing():
+    generator = np.random.default_rng(0)
+    residual, increment = generator.normal(size=(2, 6, 3))
+    one = Convergence(tolerance=1e-3, floor=0.5).relative(residual, increment)
+    two = Convergence(tolerance=1e-3, floor=500.0).relative(1e3 * residual, 1e3 * increment)
+    assert two == pytest.approx(one, rel=1e-14)
