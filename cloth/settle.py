@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.load import Load
+from cloth.load import Load, Settings
 from cloth.step import Cloth
 
 log = logging.getLogger(__name__)
+
+BENDING_DAMPING = 1.0  # s, at least this while settling: it leaves the equilibrium as it is
+ITERATIONS = 60  # at least; 20 leave short waves that momentum would amplify
+MOMENTUM = 0.97  # of the last step, at most
+QUIET_STEPS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,11 +29,59 @@ class _Ramped:
 
 @dataclass(frozen=True, kw_only=True)
 class Settled:
-    """``steps`` done; ``change`` [m]: the last step's rms displacement; ``converged``."""
+    """``steps`` done; ``change`` [m], see ``settle``; ``converged``."""
 
     steps: int
     change: float
     converged: bool
+
+
+class _Momentum:
+    """Nesterov's extrapolation of a converging sequence, with restarts.
+
+    Takes the state where it was going, positions and duals alike: slack cloth creeps along one
+    smooth direction, for hundreds of steps without this. It starts again when the step turns
+    against the motion (O'Donoghue and Candes 2015), and more gently after the residual has grown.
+    """
+
+    def __init__(self) -> None:
+        self.cap, self.age, self.best = MOMENTUM, 0, np.inf
+
+    def factor(self, step: Array, motion: Array) -> float:
+        """Share of the last change to add; ``step``, ``motion`` (n, 3) [m] without and with it."""
+        residual = _rms(step)
+        self.best = min(self.best, residual)
+        if residual > 3.0 * self.best:
+            self.age, self.cap, self.best = 0, 0.5 * self.cap, residual
+        elif float(np.sum(step * motion)) < 0.0:
+            self.age = 0
+        else:
+            self.age += 1
+        self.cap = min(MOMENTUM, self.cap + 0.005)
+        return min(self.cap, self.age / (self.age + 3.0))
+
+
+def _rms(moved: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))
+
+
+def _extrapolated(
+    new: dict[str, Array], old: dict[str, Array], factor: float
+) -> dict[str, Array]:
+    """``new`` with a share of its change since ``old`` added to all that the next step solves."""
+    result = dict(new)
+    for name in ("position", "tension", "contact_force"):
+        result[name] = new[name] + factor * (new[name] - old[name])
+    return result
+
+
+def _pseudo_step(cloth: Cloth, dt: float, load: Load, settings: Settings) -> dict[str, Array]:
+    """An implicit Euler step from rest, its end brought to rest; the state reached."""
+    cloth.begin_step(dt, load, settings=settings)
+    cloth.solve(np.zeros_like(cloth.reference))
+    cloth.accept_step()
+    cloth.halt()
+    return cloth.save()
 
 
 def settle(
@@ -38,50 +91,50 @@ def settle(
     dt: float = 0.03,
     ramp_steps: int = 100,
     tolerance: float = 1e-6,
-    steps_max: int = 1000,
+    steps_max: int = 1500,
 ) -> Settled:
     """Bring ``cloth`` to rest under ``load``, in place.
 
-    Implicit Euler steps of ``dt`` [s] that forget their velocity: each lowers the potential energy
-    and none carries momentum. The volume goes from where it is to ``load.volume`` as a smooth
-    ramp over ``ramp_steps``; then steps go on until the rms displacement of a step stays below
-    ``tolerance`` shell radii for ten steps. With a given datum there is no ramp.
+    Implicit Euler steps of ``dt`` [s] that forget their velocity, with the dry settings, but more
+    iterations and bending damping; neither moves the equilibrium. The volume goes from where it
+    is to ``load.volume`` as a smooth ramp over ``ramp_steps`` (none with a given datum). Then
+    steps are extrapolated, until for ten of them the ``change``, the larger of the rms
+    displacements of the step with and without extrapolation, stays below ``tolerance`` shell
+    radii. A wrinkled or slack sheet has many equilibria; the one found depends on the path.
     """
     if cloth.held:
         return Settled(steps=0, change=0.0, converged=True)
     begin = cloth.state.volume
-    zero = np.zeros_like(cloth.reference)
+    damping = max(BENDING_DAMPING, cloth.dry.bending_damping)
+    ramping = replace(cloth.dry, bending_damping=damping)
+    seeking = replace(ramping, iterations=max(ITERATIONS, ramping.iterations))
     limit = tolerance * cloth.model.shell_radius
-    position = cloth.state.position
-    change, quiet = np.inf, 0
+    momentum, change, quiet = _Momentum(), np.inf, 0
     cloth.halt()
+    old = cloth.save()
     for step in range(1, steps_max + 1):
-        s = min(1.0, step / ramp_steps)
-        volume = load.volume
-        if volume is not None:
+        s, volume = min(1.0, step / ramp_steps), load.volume
+        if volume is None:
+            s = 1.0
+        else:
             volume = begin + (volume - begin) * s * s * (3.0 - 2.0 * s)
-        cloth.begin_step(
-            dt,
-            _Ramped(
-                density=load.density,
-                body_force=load.body_force,
-                volume=volume,
-                datum=load.datum,
-            ),
+        part = _Ramped(
+            density=load.density, body_force=load.body_force, volume=volume, datum=load.datum
         )
-        cloth.solve(zero)
-        cloth.accept_step()
-        cloth.halt()
-        moved = cloth.state.position
-        change = float(np.sqrt(np.mean(np.sum((moved - position) ** 2, axis=1))))
-        position = moved
+        start = cloth.state.position
+        new = _pseudo_step(cloth, dt, part, ramping if s < 1.0 else seeking)
+        moved, motion = new["position"] - start, new["position"] - old["position"]
+        change = max(_rms(moved), _rms(motion))
         quiet = quiet + 1 if s >= 1.0 and change <= limit else 0
-        if quiet >= 10:
+        if quiet >= QUIET_STEPS:
             log.info("settled after %d steps, rms change %.1e m", step, change)
             return Settled(steps=step, change=change, converged=True)
+        if s >= 1.0 and step < steps_max:
+            cloth.restore(_extrapolated(new, old, momentum.factor(moved, motion)))
+        old = new
     log.warning(
         "not settled after %d steps: rms change %.1e m a step, tolerance %.1e m. "
-        "Raise steps_max, or begin with fewer rings.",
+        "Raise steps_max or ramp_steps.",
         steps_max,
         change,
         limit,

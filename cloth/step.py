@@ -60,21 +60,29 @@ class Cloth:
             compressive=compressive_stiffness,
         )
         self.mass = self.model.mass
-        self._dry, self._wet = dry, wet
+        self.dry, self.wet = dry, wet
         self._memory = Memory.at_rest(
             mesh.points, len(mesh.triangles), self.model.volume(mesh.points)
         )
-        self._systems: dict[tuple[float, bool], System] = {}
+        self._systems: dict[tuple[float, Settings], System] = {}
         self._dt = 0.0
         self._kin: Kinematics | None = None
         self._problem: StepProblem | None = None
         self._count: int | None = None
         self._solution: Solution | None = None
 
-    def begin_step(self, dt: float, load: Load, added_mass: Array | None = None) -> None:
+    def begin_step(
+        self,
+        dt: float,
+        load: Load,
+        added_mass: Array | None = None,
+        *,
+        settings: Settings | None = None,
+    ) -> None:
         """Start a step of ``dt`` [s] from the committed state.
 
         ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
+        ``settings``: for this step in place of ``dry`` or ``wet``.
         """
         if (load.volume is None) == (load.datum is None):
             raise ValueError("cloth load: give either the volume or the datum, not both.")
@@ -89,8 +97,9 @@ class Cloth:
         rows = None
         if added_mass is not None and len(added_mass) > 0:
             rows = np.where(self.model.free[None, :, None], added_mass / kin.b, 0.0)
-        settings = self._dry if rows is None else self._wet
-        system = self._factorised(settings, kin.b, rows is not None)
+        if settings is None:
+            settings = self.dry if rows is None else self.wet
+        system = self._factorised(settings, kin.b)
         system.add_mass(rows)
         self._problem = StepProblem(
             model=self.model,
@@ -108,9 +117,9 @@ class Cloth:
             strain_limit=self.strain_limit,
         )
 
-    def _factorised(self, settings: Settings, b: float, wet: bool) -> System:
+    def _factorised(self, settings: Settings, b: float) -> System:
         """The matrix for this b; the last few are kept, so that a first Euler step costs little."""
-        key = (b, wet)
+        key = (b, settings)
         if key not in self._systems:
             if len(self._systems) >= 4:
                 self._systems.pop(next(iter(self._systems)))
