@@ -16,6 +16,7 @@ log = logging.getLogger(__name__)
 BENDING_DAMPING = 1.0  # s, at least this while settling: it leaves the equilibrium as it is
 ITERATIONS = 60  # at least; 20 leave short waves that momentum would amplify
 MOMENTUM = 0.97  # of the last step, at most
+COASTING = 0.2  # momentum multiplies a slow motion by up to 1 / (1 - MOMENTUM) = 33
 QUIET_STEPS = 10
 
 
@@ -98,9 +99,10 @@ def settle(
     Implicit Euler steps of ``dt`` [s] that forget their velocity, with the dry settings, but more
     iterations and bending damping; neither moves the equilibrium. The volume goes from where it
     is to ``load.volume`` as a smooth ramp over ``ramp_steps`` (none with a given datum). Then
-    steps are extrapolated, until for ten of them the ``change``, the larger of the rms
-    displacements of the step with and without extrapolation, stays below ``tolerance`` shell
-    radii. A wrinkled or slack sheet has many equilibria; the one found depends on the path.
+    steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` shell
+    radii: the rms displacement of a step alone, or a fifth of it with the extrapolation, if that
+    is more. Slack cloth may be farther than that from its rest along the surface, where hardly a
+    force moves it. A wrinkled or slack sheet has many equilibria; the one found depends on the path.
     """
     if cloth.held:
         return Settled(steps=0, change=0.0, converged=True)
@@ -124,7 +126,7 @@ def settle(
         start = cloth.state.position
         new = _pseudo_step(cloth, dt, part, ramping if s < 1.0 else seeking)
         moved, motion = new["position"] - start, new["position"] - old["position"]
-        change = max(_rms(moved), _rms(motion))
+        change = max(_rms(moved), COASTING * _rms(motion))
         quiet = quiet + 1 if s >= 1.0 and change <= limit else 0
         if quiet >= QUIET_STEPS:
             log.info("settled after %d steps, rms change %.1e m", step, change)

@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from coupling import checkpoint
 from coupling.atomic import write_json
@@ -37,13 +38,13 @@ def run(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_scene(scene, folder)
-    with _log_file(folder):
+    with _log_file(folder), threadpool_limits(1):
         return _Run(scene, folder, progress).from_start()
 
 
 def resume(folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
     """Go on from the last checkpoint in ``folder``; as ``run``."""
-    with _log_file(folder):
+    with _log_file(folder), threadpool_limits(1):
         return _Run(load_scene(folder), folder, progress).from_checkpoint()
 
 

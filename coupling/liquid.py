@@ -36,9 +36,7 @@ def load_model(scene: Scene) -> LoadModel:
     return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
 
 
-def flow_of(
-    scene: Scene, folder: Path, cloth: Cloth
-) -> tuple[OpenFoamFlow, MovingLeastSquares]:
+def flow_of(scene: Scene, folder: Path, cloth: Cloth) -> tuple[OpenFoamFlow, MovingLeastSquares]:
     """The flow below the settled ``cloth``, not yet started, and its map to the cloth.
 
     Of the mesh's two topologies the one that is less skewed below the settled diaphragm is taken.
@@ -53,7 +51,9 @@ def flow_of(
             source_rim=cloth.fixed,
             target_rim=mesh.rim,
         )
-        found.append((_skewness(mesh, radius, mapping.to_flow(cloth.state.position)), mesh, mapping))
+        found.append(
+            (_skewness(mesh, radius, mapping.to_flow(cloth.state.position)), mesh, mapping)
+        )
     _, mesh, mapping = min(found, key=lambda entry: entry[0])
     flow = OpenFoamFlow(
         folder,

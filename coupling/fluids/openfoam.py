@@ -28,6 +28,7 @@ from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.interface import pressure_force, swept_gradient
 from coupling.ports import Array, FlowSample, Ints, RunFailed
 
+REFRESH = 0.02  # displacement over R after which the added mass is out of date
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
 
 
@@ -56,6 +57,7 @@ class OpenFoamFlow:
         self._boundary: Ints = mesh.faces[mesh.inner_faces :]
         self._elastic = ElasticMesh(mesh, radius)
         self._kept: set[float] = {0.0}
+        self._rows: tuple[Array, Array] | None = None  # of the added mass, and where it was made
 
     @property
     def moulded_face_centres(self) -> Array:
@@ -180,8 +182,17 @@ class OpenFoamFlow:
         )
 
     def added_mass(self) -> Array:
-        """Rows (r, p, 3) [kg^(1/2)] of the liquid's added mass at the committed shape."""
-        return added_mass_rows(self.mesh, self._geometry, self.points, self.density)
+        """Rows (r, p, 3) [kg^(1/2)] of the liquid's added mass, at the committed shape or near it.
+
+        They are made anew when a point of the interface has moved by ``REFRESH`` radii since.
+        """
+        if self._rows is None or self._moved(self._rows[1]) > REFRESH * self.radius:
+            rows = added_mass_rows(self.mesh, self._geometry, self.points, self.density)
+            self._rows = (rows, self.points)
+        return self._rows[0]
+
+    def _moved(self, since: Array) -> float:
+        return float(np.linalg.norm(self.points - since, axis=1).max())
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
@@ -236,6 +247,7 @@ class OpenFoamFlow:
     def save(self) -> dict[str, Array]:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
         self._kept.add(self.time)
+        self._rows = None  # made anew here as after a resume
         folder = self.case.time_folder(self.time)
         saved: dict[str, Array] = {
             "time": np.array([self.time, self.steps]),
@@ -255,6 +267,8 @@ class OpenFoamFlow:
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``: the case is written anew, later times are gone."""
         self.start(saved["initial"], saved["shell"], float(saved["volume"][0]))
+        self._shell = saved["shell"]
+        self._fan = fan_volume(self._outline(self._initial)[self._boundary])
         self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
         self._all_points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
         self.points = self._all_points[self.mesh.patch_points]
