@@ -17,6 +17,7 @@ BENDING_DAMPING = 1.0  # s, at least this while settling: it leaves the equilibr
 ITERATIONS = 60  # at least; 20 leave short waves that momentum would amplify
 MOMENTUM = 0.97  # of the last step, at most
 COASTING = 0.2  # momentum multiplies a slow motion by up to 1 / (1 - MOMENTUM) = 33
+SLIDING = 0.5  # weight of tangential motion: slack cloth slides on where hardly a force holds it
 QUIET_STEPS = 10
 
 
@@ -66,6 +67,13 @@ def _rms(moved: Array) -> float:
     return float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))
 
 
+def _weighted(moved: Array, normals: Array) -> float:
+    """Rms of ``moved`` (n, 3) [m] with its part across ``normals`` (any length) times SLIDING."""
+    length = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+    along = np.sum(moved * normals / length, axis=1)[:, None] * normals / length
+    return _rms(along + SLIDING * (moved - along))
+
+
 def _extrapolated(
     new: dict[str, Array], old: dict[str, Array], factor: float
 ) -> dict[str, Array]:
@@ -100,9 +108,10 @@ def settle(
     iterations and bending damping; neither moves the equilibrium. The volume goes from where it
     is to ``load.volume`` as a smooth ramp over ``ramp_steps`` (none with a given datum). Then
     steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` shell
-    radii: the rms displacement of a step alone, or a fifth of it with the extrapolation, if that
-    is more. Slack cloth may be farther than that from its rest along the surface, where hardly a
-    force moves it. A wrinkled or slack sheet has many equilibria; the one found depends on the path.
+    radii: the rms displacement of a step alone, or a fifth of it with the extrapolation if that is
+    more, motion along the surface counted half. So slack cloth may still creep tangentially by
+    two tolerances a step. A wrinkled or slack sheet has many equilibria; the one found
+    depends on the path.
     """
     if cloth.held:
         return Settled(steps=0, change=0.0, converged=True)
@@ -126,7 +135,8 @@ def settle(
         start = cloth.state.position
         new = _pseudo_step(cloth, dt, part, ramping if s < 1.0 else seeking)
         moved, motion = new["position"] - start, new["position"] - old["position"]
-        change = max(_rms(moved), COASTING * _rms(motion))
+        normals = cloth.model.volume_and_gradient(start)[1]
+        change = max(_weighted(moved, normals), COASTING * _weighted(motion, normals))
         quiet = quiet + 1 if s >= 1.0 and change <= limit else 0
         if quiet >= QUIET_STEPS:
             log.info("settled after %d steps, rms change %.1e m", step, change)
