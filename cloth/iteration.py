@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ class StepProblem:
     model: ClothModel
     settings: Settings
     system: System
+    dt: float
     kin: Kinematics
     load: Load
     start: Array
@@ -79,6 +81,7 @@ class Iteration:
         self.penalty = model.penalty(p.settings)
         self.weight = model.contact_weight(p.settings, p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
+        self.largest_force = float(np.abs(force).max())
         self.force = np.where(model.free[:, None], p.constant_force + force, 0.0)
         self.x = p.start.copy()
         self.z = np.zeros_like(p.tension)
@@ -126,9 +129,16 @@ class Iteration:
         return missing / float(np.sum(gradient * self.direction))
 
     def finish(self) -> Solution:
-        """The iterate inside the shell and with its exact volume."""
+        """The iterate inside the shell and with its exact volume.
+
+        Raises ArithmeticError instead of returning a position that is not finite.
+        """
         p, model = self.problem, self.problem.model
+        if not math.isfinite(self.change + self.datum):
+            raise self._diverged("the position is no longer finite")
         x = self._closed(clamp_to_shell(self.x, p.limit))
+        if not np.all(np.isfinite(x)):
+            raise self._diverged("the position is no longer finite")
         strain = np.empty(len(model.triangles))
         kernels.principal_strains(x, model.triangles, model.gradients, strain)
         return Solution(
@@ -155,18 +165,22 @@ class Iteration:
             direction = np.where(off[:, None], self.direction, 0.0)
             slope = float(np.sum(gradient * direction))
             if not slope > 0.0:
-                raise ArithmeticError(
-                    "cloth: the inner iteration has diverged, the volume no longer answers to the "
-                    "pressure. Halve time.step, or lower the settings' penalty."
-                )
+                raise self._diverged("the volume no longer answers to the pressure")
             x = clamp_to_shell(x + (p.load.volume - volume) / slope * direction, p.limit)
         return x
+
+    def _diverged(self, symptom: str) -> ArithmeticError:
+        return ArithmeticError(
+            f"cloth: the inner iteration has diverged after {self.done} iterations at a time step "
+            f"of {self.problem.dt:.3g} s and nodal forces up to {self.largest_force:.3g} N: "
+            f"{symptom}. Halve time.step, or check the force: the coupling may have diverged first."
+        )
 
 
 def iterate(problem: StepProblem, force: Array, count: int | None) -> Solution:
     """Solve the step under nodal ``force`` (n, 3) [N].
 
-    ``count`` iterations; None: as many as the strain limit asks for, within the settings' bounds.
+    Raises ArithmeticError when the iteration diverges. ``count`` iterations; None: as many as the strain limit asks for, within the settings' bounds.
     """
     settings, run = problem.settings, Iteration(problem, force)
     least = settings.iterations if count is None else count

@@ -105,6 +105,7 @@ class Cloth:
             model=self.model,
             settings=settings,
             system=system,
+            dt=dt,
             kin=kin,
             load=load,
             start=m.position + dt * m.velocity,
@@ -150,6 +151,7 @@ class Cloth:
 
         The first solve of a step decides the number of iterations and the following ones keep it,
         so that the answer is a continuous function of ``force``. The committed state stays.
+        Raises ArithmeticError when the iteration diverges, and never returns what is not finite.
         """
         self._begun()
         if self.held:
