@@ -59,11 +59,19 @@ def constant_force(
     body_force: Array,
     rows: Array | None,
 ) -> Array:
-    """Inertia, weight, damping and rim (n, 3) [N]; ``rows`` (r, n, 3) [sqrt(N/m)] are B/b."""
+    """Inertia, weight, damping and rim (n, 3) [N]; ``rows`` (r, n, 3) [sqrt(N/m)] are B/b.
+
+    The damping is tau_b times the rate of the whole bending force, the moulded curvature's part
+    included: Q alone would damp the rotation of a curved sheet that does not bend.
+    """
     b, anchor = kin.b, kin.position_anchor
     inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)
     drag = (settings.drag / b * model.mass)[:, None] * anchor
     damping = settings.bending_damping / b * (model.bending @ anchor)
+    kernels.bending_rest_step(
+        anchor, model.hinges.nodes, model.hinges.coefficients,
+        -settings.bending_damping / b * model.moment, damping,
+    )  # fmt: skip
     total = inertial + drag + damping + system.lift(model.mesh.points, model.mesh.fixed)
     if rows is not None:
         flat = rows.reshape(len(rows), -1)
@@ -80,6 +88,7 @@ class Iteration:
         self.problem = p
         self.penalty = model.penalty(p.settings)
         self.weight = model.contact_weight(p.settings, p.kin.b)
+        self.moment = model.moment * (1.0 + p.settings.bending_damping / p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
         self.largest_force = float(np.abs(force).max())
         self.force = np.where(model.free[:, None], p.constant_force + force, 0.0)
@@ -108,7 +117,7 @@ class Iteration:
         )
         rhs += hydrostatic
         kernels.bending_rest_step(
-            self.x, model.hinges.nodes, model.hinges.coefficients, model.moment, rhs
+            self.x, model.hinges.nodes, model.hinges.coefficients, self.moment, rhs
         )
         kernels.normal_drag_step(self.x, p.kin.position_anchor, gradient, self.drag, rhs)
         loose, self.direction = p.system.solve_pair(rhs, gradient)
