@@ -20,29 +20,16 @@ _VSMALL = 1e-300
 def face_centres_and_areas(corner: Array) -> tuple[Array, Array]:
     """Centres (F, 3) [m] and area vectors (F, 3) [m^2] of quadrilaterals ``corner`` (F, 4, 3).
 
-    The centre weighs the triangles of a fan about the mean of the corners by the parts of their
-    areas along the face's normal. Exact for the fan.
+    The fan's apex is the mean of the corners; the centre weighs its triangles by the magnitudes of
+    their areas, as v1912 does (later versions by their parts along the face's normal).
     """
     middle = corner.mean(axis=1, keepdims=True)
     following = np.roll(corner, -1, axis=1)
-    triple = corner + following + middle
     normal = cross(following - corner, middle - corner)
-    total = normal.sum(axis=1)
-    unit = total / (np.linalg.norm(total, axis=1, keepdims=True) + _VSMALL)
-    part = np.einsum("fkx,fx->fk", normal, unit)
-    centre = np.einsum("fk,fkx->fx", part, triple) / (3 * part.sum(axis=1)[:, None] + _VSMALL)
-    return centre, 0.5 * total
-
-
-def _swept_centres(corner: Array) -> Array:
-    """``face::centre`` (F, 3): fan triangles weighed by the magnitude of their areas."""
-    middle = corner.mean(axis=1, keepdims=True)
-    following = np.roll(corner, -1, axis=1)
-    weight = np.linalg.norm(cross(corner - middle, following - middle), axis=2)
+    weight = np.linalg.norm(normal, axis=2)
     triple = corner + following + middle
-    return np.asarray(
-        np.einsum("fk,fkx->fx", weight, triple) / (3 * weight.sum(axis=1)[:, None] + _VSMALL)
-    )
+    centre = np.einsum("fk,fkx->fx", weight, triple) / (3 * weight.sum(axis=1)[:, None] + _VSMALL)
+    return centre, 0.5 * normal.sum(axis=1)
 
 
 def swept_volumes(old: Array, new: Array) -> Array:
@@ -51,7 +38,7 @@ def swept_volumes(old: Array, new: Array) -> Array:
     Positive along the normal; ``face::sweptVol``. Exact to rounding for any motion of the fan's
     triangles along straight lines, the two diagonals of the sides averaged.
     """
-    centre_old, centre_new = _swept_centres(old)[:, None], _swept_centres(new)[:, None]
+    centre_old, centre_new = (face_centres_and_areas(c)[0][:, None] for c in (old, new))
     a, b = old, np.roll(old, -1, axis=1)
     ta, tb = new, np.roll(new, -1, axis=1)
     c = np.broadcast_to(centre_old, a.shape)
@@ -77,7 +64,7 @@ def fan_volume(corner: Array) -> float:
 
     Its change is the sum of ``swept_volumes`` to rounding where the surface's rim is at rest.
     """
-    centre = _swept_centres(corner)[:, None]
+    centre = face_centres_and_areas(corner)[0][:, None]
     following = np.roll(corner, -1, axis=1)
     return float(np.einsum("fkx,fkx->", np.broadcast_to(centre, corner.shape),
                            cross(corner, following)) / 6.0)  # fmt: skip
