@@ -1,0 +1,178 @@
+"""The case as OpenFOAM itself sees it: mesh, imposed points, restarts and the first pressure."""
+
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
+from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
+
+from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.foam.added_mass import added_mass_rows
+from coupling.foam.fields import read_cells, read_points
+from coupling.foam.geometry import cell_geometry, fan_volume, non_orthogonality
+from coupling.foam.mesh import ball, half_ball
+from coupling.foam.process import find_openfoam, run_program
+from coupling.interface import pressure_force
+
+pytestmark = pytest.mark.openfoam
+
+RADIUS, DENSITY, STEP = 0.4445, 1000.0, 0.005
+
+
+def flow_at_rest(folder, topology, cells, viscosity=1e-6):
+    """A flow below a dome (ball) or a disc (half ball), written to ``folder``."""
+    mesh = topology(cells)
+    flow = OpenFoamFlow(
+        folder, mesh, openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
+        viscosity=viscosity, timeout=60.0,
+    )  # fmt: skip
+    points = RADIUS * mesh.points
+    patch = points[mesh.patch_points] * (1.0, 1.0, 0.6)
+    outline = points.copy()
+    outline[mesh.patch_points] = patch
+    volume = fan_volume(outline[mesh.faces[mesh.inner_faces :]])
+    flow.start(patch, points[mesh.shell_points], volume)
+    return flow
+
+
+def moved(flow, size):
+    """The interface tilted by ``size`` [m], its rim at rest, its volume closed."""
+    points = flow.points
+    across = np.sum(points[:, :2] ** 2, axis=1) / RADIUS**2
+    shift = np.zeros_like(points)
+    shift[:, 2] = size * points[:, 0] / RADIUS * np.clip(1 - across, 0, None)
+    shift[flow.mesh.rim] = 0.0
+    return flow.close_volume(points + shift)
+
+
+def check_mesh(flow, *arguments):
+    program = shutil.which("checkMesh")
+    done = subprocess.run(
+        [program, "-case", str(flow.case.folder), *arguments], capture_output=True, text=True,
+        env=find_openfoam().environment | {"PWD": os.fspath(flow.case.folder)},
+        cwd=flow.case.folder, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-2000:]
+    return done.stdout
+
+
+def figure(text, after):
+    return float(text.split(after, 1)[1].split()[0].rstrip("."))
+
+
+@pytest.fixture(params=[(ball, 352), (half_ball, 176)], ids=["ball", "half_ball"])
+def flow(request, tmp_path):
+    return flow_at_rest(tmp_path / "foam", *request.param)
+
+
+def test_check_mesh_finds_what_the_coupler_computes(flow):
+    text = check_mesh(flow, "-time", "0")
+    assert "Mesh OK." in text
+    assert "Upper triangular ordering OK." in text
+    assert "Boundary openness" in text
+    geometry = cell_geometry(flow.mesh, flow._all_points)
+    exact = {"rel": 1e-11}  # the same formulas: rounding only
+    assert figure(text, "Total volume = ") == pytest.approx(geometry.volume.sum(), **exact)
+    assert figure(text, "Min volume = ") == pytest.approx(geometry.volume.min(), **exact)
+    angle = non_orthogonality(flow.mesh, geometry)
+    assert figure(text, "Mesh non-orthogonality Max: ") == pytest.approx(angle.max(), **exact)
+    mean = np.degrees(np.arccos(np.cos(np.radians(angle)).mean()))
+    assert figure(text, "average: ") == pytest.approx(mean, **exact)
+    assert int(figure(text, "hexahedra: ")) == flow.mesh.cells
+
+
+def test_points_are_imposed_exactly(flow):
+    flow.begin_step(0.0, STEP)
+    flow.solve(moved(flow, 2e-3))
+    found = read_points(flow.case.time_folder(STEP) / "polyMesh" / "points")
+    assert (found == flow._all_now).all()
+    assert np.abs(found - flow._all_points).max() > 1e-4
+    assert "Mesh OK." in check_mesh(flow, "-latestTime")
+
+
+def test_solver_converges_and_conserves_volume(flow, tmp_path):
+    flow.begin_step(0.0, STEP)
+    flow.solve(moved(flow, 2e-3))
+    log = flow.case.folder / "log.pimpleFoam"
+    assert "End" in log.read_text()
+    analyzer = FoamLogAnalyzer()
+    number = r"([-+.\deE]+)"
+    analyzer.addAnalyzer("flux", RegExpLineAnalyzer(
+        "flux", f".*continuity errors : sum local = {number}, global = {number}"
+    ))  # fmt: skip
+    analyzer.addAnalyzer("p", RegExpLineAnalyzer(
+        "p", f".*Solving for p, .*Final residual = {number}, No Iterations {number}"
+    ))  # fmt: skip
+    analyzer.setDirectory(str(tmp_path))
+    with log.open("rb") as stream:
+        analyzer.analyze(stream)
+    flux = analyzer.getAnalyzer("flux").getData(STEP)
+    pressure = analyzer.getAnalyzer("p").getData(STEP)
+    # The pressure's residual is relative to the flux of a step, of some per cent of the volume.
+    assert max(abs(float(value)) for value in flux) < 1e-12
+    assert 0 < float(pressure[0]) <= 1e-11
+    assert 0 < int(pressure[1]) < 200
+
+
+def test_step_repeats_itself(flow):
+    flow.begin_step(0.0, STEP)
+    target = moved(flow, 2e-3)
+    first = flow.solve(target).copy()
+    other = flow.solve(moved(flow, 3e-3)).copy()
+    again = flow.solve(target)
+    # Bit for bit: a fresh process from the same files. Another target gives another pressure.
+    assert (again == first).all()
+    assert np.abs(other - first).max() > 0.1 * np.abs(first).max()
+
+
+def test_first_pressure_is_that_of_the_added_mass(flow):
+    # From rest an Euler step is linear: p = -M_a a but for the solver's splitting and the swing of
+    # the mesh in the step, which falls with the motion. Forces carry the same weights.
+    rows = added_mass_rows(
+        flow.mesh, cell_geometry(flow.mesh, flow._all_points), flow.points, DENSITY
+    )
+    start = flow.points
+    target = moved(flow, 1e-5)
+    flow.begin_step(0.0, STEP)
+    force = pressure_force(start, flow.faces, flow.solve(target))
+    acceleration = (target - start) / STEP**2
+    expected = -np.tensordot(np.tensordot(rows, acceleration, 2), rows, 1)
+    assert np.linalg.norm(force - expected) < 0.02 * np.linalg.norm(expected)
+
+
+def test_restarts_equal_one_continuous_run(tmp_path):
+    # The interface moves for two steps and then stands still, so that one process can go on alone.
+    # A thick liquid keeps a flow alive that depends on all that a restart must carry over.
+    flow = flow_at_rest(tmp_path / "foam", half_ball, 176, viscosity=1e-3)
+    for number, size in enumerate((2e-3, 4e-3)):
+        flow.begin_step(number * STEP, STEP)
+        flow.solve(moved(flow, size))
+        flow.accept_step()
+    time, steps = flow.time, 5
+    flow.save()  # keeps this time's files
+    shutil.copytree(flow.case.folder, tmp_path / "continuous")
+    for number in range(steps):
+        flow.begin_step(time + number * STEP, STEP)
+        flow._base = flow._all_points
+        flow.solve(flow.points)
+        flow.accept_step()
+    end = f"{round(time + steps * STEP, 11):.12g}"
+    case = tmp_path / "continuous"
+    (case / "system" / "step").write_text(
+        f"startTime {time:.12g};\nendTime {end};\ndeltaT {STEP};\n"
+    )
+    shutil.copy(case / f"{time:.12g}" / "polyMesh" / "points",
+                case / f"{time:.12g}" / "polyMesh" / "points0")  # fmt: skip
+    openfoam = find_openfoam()
+    run_program(
+        openfoam.solver, case, openfoam=openfoam, log=case / "log", timeout=60, moment="all"
+    )
+    cells = flow.mesh.cells
+    for name, tolerance in (("U", 1e-6), ("p", 1e-6)):  # linear solvers' 1e-11, over the steps
+        one = read_cells(case / end / name, cells)
+        two = read_cells(flow.case.time_folder(flow.time) / name, cells)
+        assert np.abs(one).max() > 1e-9
+        assert np.abs(one - two).max() < tolerance * np.abs(one).max(), name

@@ -1,0 +1,70 @@
+"""A run killed without warning goes on from its checkpoint as if it had never stopped."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import meshio
+import numpy as np
+import pytest
+from conftest import EDT
+
+pytestmark = pytest.mark.openfoam
+
+# The checkpoint holds both sides' states and OpenFOAM's own files bit for bit, and every solver is
+# deterministic. The flow's mesh is relaxed to 1e-2 of a force only, so that rounding in what it
+# starts from shows at 1e-8; the coupling itself is converged to 1e-4 of a step.
+TOLERANCE = 1e-6
+
+
+@pytest.fixture(scope="module")
+def killed(scene: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a run that was killed some steps after its first checkpoint."""
+    folder = tmp_path_factory.mktemp("killed") / "run"
+    process = subprocess.Popen(
+        [*EDT, "run", str(scene), "-o", str(folder)],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    log, until = folder / "coupling.csv", time.monotonic() + 120
+    while time.monotonic() < until and process.poll() is None:
+        if log.exists() and any(line.startswith("0.03") for line in log.read_text().splitlines()):
+            break
+        time.sleep(0.02)
+    os.kill(process.pid, signal.SIGKILL)
+    assert process.wait(10) == -signal.SIGKILL
+    time.sleep(1.0)  # the solver's last call ends by itself
+    return folder
+
+
+def test_results_of_a_killed_run_open(killed):
+    with h5py.File(killed / "results.h5") as file:
+        count = len(file["time"])
+        assert count >= 1
+        assert all(len(file[name]) == count for name in ("liquid/cg", "diaphragm/position"))
+    with meshio.xdmf.TimeSeriesReader(str(killed / "results.xdmf")) as reader:
+        reader.read_points_cells()
+        assert reader.num_steps == count
+        for step in range(count):
+            reader.read_data(step)
+
+
+def test_resumed_run_equals_the_unbroken_one(edt, killed, unbroken):
+    done = edt("resume", killed)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((killed / "summary.json").read_text())
+    assert summary["status"] == "completed"
+    assert summary["steps"] == 12
+    with h5py.File(killed / "results.h5") as one, h5py.File(unbroken / "results.h5") as two:
+        assert one["time"][:].tolist() == two["time"][:].tolist()
+        assert one["coupling/iterations"][:].tolist() == two["coupling/iterations"][:].tolist()
+        for name in ("diaphragm/position", "diaphragm/dynamic_pressure", "liquid/force"):
+            a, b = one[name][:], two[name][:]
+            assert np.abs(a - b).max() <= TOLERANCE * np.abs(b).max(), name
+            assert np.abs(b[-1] - b[0]).max() > 1e3 * TOLERANCE * np.abs(b).max()
+    lines = (killed / "coupling.csv").read_text().splitlines()[1:]
+    times = [float(line.split(",")[0]) for line in lines]
+    assert times == sorted(times)
