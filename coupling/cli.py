@@ -13,6 +13,7 @@ from coupling.exit_status import ExitStatus, guarded, run_app, stop
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
+from coupling.results import read_results
 from coupling.run_folder import (
     check_reportable,
     check_resumable,
@@ -33,6 +34,7 @@ from coupling.tables import (
 from coupling.verify import CASES, option_pairs, run_all, run_case
 
 MODELS: tuple[str, ...] = get_args(Model.model_fields["fluid"].annotation)
+PICTURES = frozenset({".pdf", ".png", ".svg"})
 STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *MODELS})
 
 app = typer.Typer(
@@ -113,12 +115,21 @@ def resume(folder: RunFolder, as_json: AsJson = False) -> None:
 
 
 def _finish(summary: dict[str, object], folder: Path, as_json: bool) -> None:
+    """Report and print a run; a run that failed is reported too, and then ends with status 1."""
+    failure = str(summary.get("error")) if summary.get("status") == "failed" else ""
+    if (folder / "results.h5").is_file():
+        from coupling.report import write_report
+
+        try:
+            write_report(folder)
+        except RunFailed as error:
+            failure = failure or str(error)
     if as_json:
         print_json(summary)
     else:
         print_summary(summary, folder)
-    if summary.get("status") == "failed":
-        raise RunFailed(str(summary.get("error")))
+    if failure:
+        raise RunFailed(failure)
 
 
 @app.command()
@@ -162,12 +173,26 @@ def _chosen_models(listed: str) -> tuple[str, ...]:
 
 @app.command()
 @guarded
-def report(folder: RunFolder) -> None:
+def report(
+    folder: RunFolder,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Write a picture of the run instead."),
+    ] = None,
+) -> None:
     """Build report.html again from the files of a run or a study."""
     check_reportable(folder)
-    from coupling.report import write_report
+    from coupling.report import render_picture, write_report
 
-    typer.echo(write_report(folder))
+    if picture is None:
+        typer.echo(write_report(folder))
+        return
+    if not (folder / "results.h5").is_file():
+        stop(f"{folder}: is a study. Give the folder of one of its runs.", ExitStatus.WRONG_INPUT)
+    if picture.suffix not in PICTURES:
+        known = ", ".join(sorted(PICTURES))
+        stop(f"--picture: must end in {known}, got '{picture}'.", ExitStatus.WRONG_INPUT)
+    typer.echo(render_picture(read_results(folder), picture))
 
 
 @app.command()

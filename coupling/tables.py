@@ -36,7 +36,8 @@ def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]])
     """Print a table on stdout, first column left, others right."""
     table = Table(title=title or None, title_justify="left")
     for index, head in enumerate(heads):
-        table.add_column(head, justify="left" if index == 0 else "right", overflow="fold")
+        first = index == 0
+        table.add_column(head, justify="left" if first else "right", overflow="fold", no_wrap=first)
     for row in rows:
         table.add_row(*row)
     console = Console(markup=False, highlight=False)
@@ -54,6 +55,11 @@ def figure(value: Any, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
+def _ratio(value: Any) -> str:
+    """A ratio to what may vanish: beyond a million it says no more than that."""
+    return figure(value) if value is None or value <= 1e6 else "> 1e6"
+
+
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     """The main figures of a run's ``summary.json`` and where the results are."""
     coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
@@ -69,14 +75,25 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("unconverged steps", coupling.get("unconverged_steps")),
         ("CG amplitude [m]", cg.get("amplitude_m")),
         ("CG phase [deg]", cg.get("phase_deg")),
-        ("hydrostatic over kinetic pressure", bernoulli.get("kinetic_ratio")),
-        ("hydrostatic over unsteady pressure", bernoulli.get("unsteady_ratio")),
+        ("hydrostatic over kinetic pressure", _ratio(bernoulli.get("kinetic_ratio"))),
+        ("hydrostatic over unsteady pressure", _ratio(bernoulli.get("unsteady_ratio"))),
         ("dynamic over hydrostatic, rms", bernoulli.get("dynamic_fraction")),
         ("momentum that hydrostatics neglects", bernoulli.get("neglected_momentum")),
         ("wall time [s]", summary.get("wall_s")),
         ("results", str(folder)),
     ]
+    if (folder / "report.html").is_file():
+        rows.append(("report", str(folder / "report.html")))
     print_table("", ("", "value"), [(name, figure(value)) for name, value in rows])
+
+
+_ERRORS = {
+    "shape_rms": "shape, rms / R",
+    "cg_amplitude": "CG amplitude",
+    "cg_phase_deg": "CG phase [deg]",
+    "force_amplitude": "force amplitude",
+    "pressure_rms": "pressure, rms",
+}
 
 
 def print_study(study: Mapping[str, Any], folder: Path) -> None:
@@ -93,7 +110,8 @@ def print_study(study: Mapping[str, Any], folder: Path) -> None:
         for model, row in models.items()
     ]
     title = f"errors against {study.get('reference')}, in {folder}"
-    print_table(title, ("model", "wall [s]", "speedup", *names), rows)
+    heads = [_ERRORS.get(name, name) for name in names]
+    print_table(title, ("model", "wall [s]", "speedup", *heads), rows)
     if study.get("advice"):
         print(study["advice"])
 

@@ -28,6 +28,7 @@ from coupling.report.style import (
 )
 
 _SMALL = 0.01  # a component below this share of the largest one is left out
+_ROUNDING = 1e-9  # mm or N: what stays below it has not moved
 
 
 def motion_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Picture:
@@ -43,6 +44,8 @@ def motion_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Pic
         if np.ptp(signal[:, axis]) >= _SMALL * largest:
             x, y = thinned(run.results.time, signal[:, axis])
             lower.plot(x, y, line, color=colour, label=name)
+    if largest < _ROUNDING:
+        lower.set_ylim(-1.0, 1.0)
     lower.set_ylabel(label)
     lower.set_xlabel("time (s)")
     legend_above(lower)

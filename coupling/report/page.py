@@ -76,6 +76,11 @@ def number(value: float | None, unit: str = "", digits: int = 3) -> str:
     return f"{text}\u202f{unit}" if unit else text
 
 
+def ratio(value: float | None) -> str:
+    """A ratio of something to what may vanish: beyond a million it says no more than that."""
+    return number(value) if value is None or value <= 1e6 else "> 10⁶"
+
+
 def percent(value: float | None) -> str:
     """A fraction as a percentage of two significant digits; a dash for None."""
     if value is None:

@@ -20,6 +20,7 @@ from coupling.results import Results
 
 ELEVATION = 20.0
 _TURN = -18.0  # degrees off the plane of shaking, so that the surface is seen to have depth
+_ROUNDING = 1e-12  # of the largest pressure: a p* below it is none
 _LIGHT = np.array([-0.35, -0.55, 0.75])
 
 
@@ -43,7 +44,7 @@ def render_picture(results: Results, path: Path | str) -> Path:
         bar = figure.colorbar(colours.mappable, cax=scale, orientation="horizontal")
         bar.set_label(colours.label)
         bar.outline.set_visible(False)
-        figure.savefig(path, dpi=200, facecolor="white")
+        figure.savefig(path, dpi=130, facecolor="white")
     return Path(path)
 
 
@@ -66,6 +67,8 @@ def pressure_colours(results: Results, rows: list[int]) -> PressureColours:
     """p* where there is any, else the net pressure; ``values`` (T, n) [kPa]."""
     dynamic = results.dynamic_pressure
     if np.any(dynamic):
+        rounding = _ROUNDING * np.abs(results.pressure).max()
+        dynamic = np.where(np.abs(dynamic) > rounding, dynamic, 0.0)
         colours = PressureColours(dynamic[rows] / 1e3, "dynamic pressure p* (kPa)", diverging=True)
         colours.values = dynamic / 1e3
         return colours
@@ -78,7 +81,8 @@ def period_rows(results: Results, count: int) -> list[int]:
     """Rows of ``count`` instants spread over the last period of the shaking, else over the run.
 
     The period is that of the tank's displacement, from its last two upward zero crossings; the
-    first instant is a quarter later, where the tank is farthest out.
+    first instant is a quarter later, where the tank is farthest out. A run too short for that,
+    which also starts softly, is shown in its second half.
     """
     time, moved = results.time, results.tank_displacement
     if len(time) <= count:
@@ -93,7 +97,7 @@ def period_rows(results: Results, count: int) -> list[int]:
         if wanted[-1] > time[-1]:
             wanted = wanted - (end - begin)
     else:
-        wanted = np.linspace(time[0], time[-1], count)
+        wanted = np.linspace(0.5 * (time[0] + time[-1]), time[-1], count)
     return [int(np.argmin(np.abs(time - instant))) for instant in wanted]
 
 

@@ -9,9 +9,25 @@ from datetime import UTC, datetime
 import h5py
 import numpy as np
 
-from coupling.report import figures, instants, scene_table
+from coupling.report.figures import (
+    coupling_figure,
+    mesh_figure,
+    motion_figure,
+    node_pressure_figure,
+    pressure_figure,
+    strain_figure,
+    volume_figure,
+)
 from coupling.report.files import RunFiles
+from coupling.report.instants import sections, views
 from coupling.report.page import Page, Picture, Section, number
+from coupling.report.scene_table import (
+    bernoulli_table,
+    cost_table,
+    motion_table,
+    quality_table,
+    scene_tables,
+)
 from coupling.report.verdict import bernoulli_keys, verdict
 
 
@@ -42,23 +58,23 @@ def _sections(run: RunFiles) -> list[Section]:
         sections += [_pressure(run), _motion(run)]
     else:
         sections.append(
-            Section(title="What hydrostatics leaves out", tables=[scene_table.bernoulli_table(run)])
+            Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
         )
     return [
         *sections,
         _quality(run),
-        Section(title="Scene", tables=scene_table.scene_tables(run), source=run.results.scene_toml),
+        Section(title="Scene", tables=scene_tables(run), source=run.results.scene_toml),
     ]
 
 
 def _shape(run: RunFiles) -> Section:
-    pictures, scale = instants.views(run)
+    pictures, scale = views(run)
     return Section(
         title="Diaphragm",
         text="The tank frame, seen across the direction of shaking, at instants of the last "
-        "period, or of the run if it is shorter. Below: cut in the plane of "
+        "period, or of the second half of a short run. Below: cut in the plane of "
         "shaking; liquid shaded, its centre of gravity a cross.",
-        pictures=[*pictures, *instants.sections(run)],
+        pictures=[*pictures, *sections(run)],
         columns=4,
         scale=scale,
     )
@@ -67,8 +83,8 @@ def _shape(run: RunFiles) -> Section:
 def _pressure(run: RunFiles) -> Section:
     return Section(
         title="What hydrostatics leaves out",
-        tables=[scene_table.bernoulli_table(run)],
-        pictures=[figures.pressure_figure(run), figures.node_pressure_figure(run)],
+        tables=[bernoulli_table(run)],
+        pictures=[pressure_figure(run), node_pressure_figure(run)],
     )
 
 
@@ -78,15 +94,15 @@ def _motion(run: RunFiles) -> Section:
     middle = results.liquid_cg.mean(axis=0)
     return Section(
         title="Centre of gravity and force",
-        tables=[scene_table.motion_table(run)],
+        tables=[motion_table(run)],
         pictures=[
-            figures.motion_figure(
+            motion_figure(
                 run,
                 1e3 * (results.liquid_cg - middle),
                 "CG in tank (mm)",
                 "Tank, and the liquid’s centre of gravity in it about its mean.",
             ),
-            figures.motion_figure(
+            motion_figure(
                 run,
                 results.force - weight,
                 "force less weight (N)",
@@ -99,14 +115,14 @@ def _motion(run: RunFiles) -> Section:
 def _quality(run: RunFiles) -> Section:
     pictures: list[Picture] = []
     if len(run.iterations):
-        pictures.append(figures.coupling_figure(run))
+        pictures.append(coupling_figure(run))
     if len(run.results.time) > 1:
-        mesh = figures.mesh_figure(run)
-        pictures += [figures.strain_figure(run), figures.volume_figure(run)]
+        mesh = mesh_figure(run)
+        pictures += [strain_figure(run), volume_figure(run)]
         pictures += [mesh] if mesh else []
     return Section(
         title="How well it was solved, and what it cost",
-        tables=[scene_table.quality_table(run), scene_table.cost_table(run)],
+        tables=[quality_table(run), cost_table(run)],
         pictures=pictures,
     )
 

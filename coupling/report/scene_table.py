@@ -9,7 +9,7 @@ import numpy as np
 from coupling.metrics.bernoulli import effective_gravity
 from coupling.numbers import numbers_of, potential_to_kinetic
 from coupling.report.files import RunFiles
-from coupling.report.page import Table, number, percent
+from coupling.report.page import Table, number, percent, ratio
 
 
 def scene_tables(run: RunFiles) -> list[Table]:
@@ -68,8 +68,8 @@ def bernoulli_table(run: RunFiles) -> Table:
             ],
         ]
     rows += [
-        ["With the measured speed (kinetic term)", number(figures["kinetic_ratio"])],
-        ["With the measured ∂φ/∂t (unsteady term)", number(figures["unsteady_ratio"])],
+        ["With the measured speed (kinetic term)", ratio(figures["kinetic_ratio"])],
+        ["With the measured ∂φ/∂t (unsteady term)", ratio(figures["unsteady_ratio"])],
     ]
     return Table(
         head=["Hydrostatic pressure over …", "ratio"],

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from coupling.metrics.advice import worst
-from coupling.report import figures, instants, scene_table
+from coupling.report.figures import model_legend, overlay, speed_figure
 from coupling.report.files import RunFiles, pressure_rms, read_run
+from coupling.report.instants import overlaid_sections
 from coupling.report.page import Page, Picture, Section, Table, number, percent
 from coupling.report.run_report import provenance
+from coupling.report.scene_table import scene_tables
 
 _COLUMNS = {
     "shape_rms": "shape (rms/R)",
@@ -115,13 +117,13 @@ def _curves(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]
     pressure = [pressure_rms(run)[0] / 1e3 for run in flowing]
     datum = [run.results.datum_pressure / 1e3 for run in moving]
     pictures = [
-        figures.overlay(moving, cg, f"CG, {name} (mm)", "Liquid’s centre of gravity in the tank."),
-        figures.overlay(moving, force, f"force, {name} (N)", "Force on tank and diaphragm."),
-        figures.overlay(moving, datum, "datum pressure (kPa)", "Pressure at the tank’s centre."),
+        overlay(moving, cg, f"CG, {name} (mm)", "Liquid’s centre of gravity in the tank."),
+        overlay(moving, force, f"force, {name} (N)", "Force on tank and diaphragm."),
+        overlay(moving, datum, "datum pressure (kPa)", "Pressure at the tank’s centre."),
     ]
     if flowing:
         caption = "Pressure beyond hydrostatics, over the diaphragm."
-        pictures.append(figures.overlay(flowing, pressure, "p*, rms (kPa)", caption))
+        pictures.append(overlay(flowing, pressure, "p*, rms (kPa)", caption))
     return [Section(title="Over time", pictures=[*pictures, *_speed(study)])]
 
 
@@ -134,7 +136,7 @@ def _speed(study: Mapping[str, Any]) -> list[Picture]:
             error = max((one for one in own if one), key=lambda one: one[1], default=None)
         if error is not None and error[1] > 0.0 and row.get("wall_s"):
             points.append((name, float(row["wall_s"]), error[1]))
-    return [figures.speed_figure(points)] if points else []
+    return [speed_figure(points)] if points else []
 
 
 def _shapes(runs: Sequence[RunFiles]) -> Section:
@@ -142,13 +144,11 @@ def _shapes(runs: Sequence[RunFiles]) -> Section:
     return Section(
         title="Diaphragm",
         text="Cut in the plane of shaking, all models at the same instants of the last period.",
-        pictures=instants.overlaid_sections(seen) if seen else [],
+        pictures=overlaid_sections(seen) if seen else [],
         columns=4,
-        scale=figures.model_legend([run.model for run in seen]) if seen else None,
+        scale=model_legend([run.model for run in seen]) if seen else None,
     )
 
 
 def _scene(run: RunFiles) -> Section:
-    return Section(
-        title="Scene", tables=scene_table.scene_tables(run), source=run.results.scene_toml
-    )
+    return Section(title="Scene", tables=scene_tables(run), source=run.results.scene_toml)

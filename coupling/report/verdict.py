@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from coupling.numbers import numbers_of
 from coupling.report.files import RunFiles
-from coupling.report.page import number, percent
+from coupling.report.page import number, percent, ratio
 
 ENOUGH = 0.05
 
@@ -77,5 +77,5 @@ def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
         ("Neglected momentum", percent(figures["neglected_momentum"]), "c″ over the tank’s own"),
         ("Dynamic over hydrostatic pressure", percent(dynamic), "rms" if run.has_flow else unknown),
         ("CG amplitude in the tank", number(None if largest is None else 1e3 * largest, "mm"), ""),
-        ("Hydrostatic over unsteady term", number(figures["unsteady_ratio"]), measured),
+        ("Hydrostatic over unsteady term", ratio(figures["unsteady_ratio"]), measured),
     ]

@@ -231,11 +231,22 @@ def test_study_runs_the_models_and_prints_speed_against_error(case: Path, monkey
 
 
 def test_report_prints_where_it_is(case: Path, monkeypatch):
-    report = SimpleNamespace(write_report=lambda folder: folder / "report.html")
+    report = SimpleNamespace(
+        write_report=lambda folder: folder / "report.html", render_picture=None
+    )
     monkeypatch.setitem(sys.modules, "coupling.report", report)
     (case / "results.h5").touch()
     result = edt("report", case)
     assert (result.exit_code, result.stdout.strip()) == (0, str(case / "report.html"))
+
+
+def test_a_run_leaves_its_report_and_gives_its_picture(case: Path):
+    changes = ["--set", "time.duration=0.02", "--set", "model.fluid=hydrostatic"]
+    assert edt("run", case, "-o", "run", *changes, "--set", "cloth.resolution=4").exit_code == 0
+    assert Path("run/report.html").is_file()
+    assert edt("report", "run", "--picture", "run.svg").exit_code == 0
+    assert Path("run.svg").read_text().lstrip().startswith("<?xml")
+    assert edt("report", "run", "--picture", "run.doc").exit_code == 2
 
 
 def test_check_advises_a_model(case: Path):
