@@ -214,7 +214,13 @@ class _Run:
         )  # fmt: skip
 
     def _flow_metrics(self, flow: FlowSample | None) -> dict[str, float]:
-        names = ("speed_max", "dphi_dt_max", "non_orthogonality_max", "volume_error")
+        names = (
+            "speed_max",
+            "dphi_dt_max",
+            "non_orthogonality_max",
+            "volume_error",
+            "continuity_error",
+        )
         if flow is None:
             values = dict.fromkeys(names, 0.0)
             values["non_orthogonality_max"] = self.flow.non_orthogonality_max

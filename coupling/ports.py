@@ -109,7 +109,8 @@ class FlowSample:
     ``wall_pressure_force`` and ``wall_pressure_moment`` (3,) [N, N m]: of p* on all walls, about
     the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] as in the Bernoulli
     ratios; ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
-    ``liquid_cg`` (3,) [m] of the flow's mesh; ``non_orthogonality_max`` [deg].
+    ``liquid_cg`` (3,) [m] of the flow's mesh; ``continuity_error``: what the solver's own fluxes
+    miss, over the cells' volumes; ``non_orthogonality_max`` [deg].
     """
 
     face_pressure: Array
@@ -120,6 +121,7 @@ class FlowSample:
     volume: float
     volume_error: float
     liquid_cg: Array
+    continuity_error: float
     non_orthogonality_max: float
 
 

@@ -34,6 +34,7 @@ METRIC_UNITS = {
     "dphi_dt_max": "m^2/s^2",
     "non_orthogonality_max": "deg",
     "volume_error": "-",
+    "continuity_error": "-",
 }
 
 

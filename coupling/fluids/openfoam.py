@@ -22,10 +22,11 @@ from coupling.foam.geometry import (
     non_orthogonality,
     swept_volumes,
 )
+from coupling.foam.logs import read_log
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
-from coupling.interface import pressure_force, swept_gradient
+from coupling.interface import swept_gradient
 from coupling.ports import Array, FlowSample, Ints, RunFailed
 
 REFRESH = 0.02  # displacement over R after which the added mass is out of date
@@ -225,12 +226,14 @@ class OpenFoamFlow:
             volume=volume,
             volume_error=abs(self._excess(self.points)) / self.volume,
             liquid_cg=geometry.volume @ geometry.centre / volume,
+            continuity_error=self._continuity(),
             non_orthogonality_max=self.non_orthogonality_max,
         )
 
-    def interface_force(self, points: Array, pressure: Array) -> Array:
-        """Forces (p, 3) [N] on the interface's ``points`` of face pressures (F,) [Pa]."""
-        return pressure_force(points, self.faces, pressure)
+    def _continuity(self) -> float:
+        """What the solver's log says that its last fluxes miss; NaN where it says nothing."""
+        said = read_log(self.case.log, self.time)
+        return float("nan") if said is None else said.continuity
 
     def _checked_geometry(self, points: Array, moment: str) -> CellGeometry:
         geometry = cell_geometry(self.mesh, points)

@@ -36,6 +36,11 @@ class Case:
         self.openfoam = openfoam
         self.timeout = timeout
 
+    @property
+    def log(self) -> Path:
+        """The last solver call's output."""
+        return self.folder / f"log.{self.openfoam.solver.name}"
+
     def create(self, points: Array, *, viscosity: float, radius: float) -> None:
         """Write the whole case anew: mesh at ``points`` (P, 3) [m], liquid at rest."""
         if self.folder.exists():
@@ -86,9 +91,8 @@ class Case:
         result = self.time_folder(end)
         if result.exists():
             shutil.rmtree(result)
-        log = self.folder / f"log.{self.openfoam.solver.name}"
         run_program(
-            self.openfoam.solver, self.folder, openfoam=self.openfoam, log=log,
+            self.openfoam.solver, self.folder, openfoam=self.openfoam, log=self.log,
             timeout=self.timeout, moment=f"t = {end:.6g} s",
         )  # fmt: skip
         cells = self.mesh.cells
