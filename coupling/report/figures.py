@@ -183,16 +183,16 @@ def speed_figure(points: Sequence[tuple[str, float, float]]) -> Picture:
     """Worst relative error against wall time, one (model, wall time [s], error) a point."""
     figure = new_figure(height=2.7)
     axes = figure.subplots()
-    points_x, points_y = [wall for _, wall, _ in points], [100.0 * e for _, _, e in points]
     for model, wall, error in points:
         colour = MODEL_COLOURS.get(model, INK)
         axes.loglog(wall, 100.0 * error, "o", color=colour, markersize=8, label=model)
     legend_above(axes)
     axes.axhline(5.0, color=LIGHT, linewidth=1.2)
     axes.margins(0.3)
-    for axis, values in ((axes.xaxis, points_x), (axes.yaxis, points_y)):
+    for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(FuncFormatter(_plain))
-        if max(values) > 5.0 * min(values):
+        low, high = axis.get_view_interval()
+        if high > 10.0 * low:
             axis.set_minor_formatter(NullFormatter())
         else:
             axis.set_minor_formatter(FuncFormatter(_plain))

@@ -143,7 +143,7 @@ def _shapes(runs: Sequence[RunFiles]) -> Section:
     seen = [run for run in runs if len(run.results.time)]
     return Section(
         title="Diaphragm",
-        text="Cut in the plane of shaking, all models at the same instants of the last period.",
+        text="Cut in the plane of shaking, all models at the same instants.",
         pictures=overlaid_sections(seen) if seen else [],
         columns=4,
         scale=model_legend([run.model for run in seen]) if seen else None,
