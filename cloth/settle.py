@@ -74,9 +74,7 @@ def _weighted(moved: Array, normals: Array) -> float:
     return _rms(along + SLIDING * (moved - along))
 
 
-def _extrapolated(
-    new: dict[str, Array], old: dict[str, Array], factor: float
-) -> dict[str, Array]:
+def _extrapolated(new: dict[str, Array], old: dict[str, Array], factor: float) -> dict[str, Array]:
     """``new`` with a share of its change since ``old`` added to all that the next step solves."""
     result = dict(new)
     for name in ("position", "tension", "contact_force"):
@@ -99,7 +97,7 @@ def settle(
     *,
     dt: float = 0.03,
     ramp_steps: int = 100,
-    tolerance: float = 1e-6,
+    tolerance: float = 4e-7,
     steps_max: int = 1500,
 ) -> Settled:
     """Bring ``cloth`` to rest under ``load``, in place.

@@ -36,8 +36,8 @@ class LiquidMesh:
     """Topology in OpenFOAM's order, and the reference ball of radius 1.
 
     ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
-    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8); ``moulded`` (p, 3): where the
-    patch's points lie in the moulded shape, on the unit hemisphere.
+    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8); ``moulded`` (p, 3): where
+    the patch's points lie in the moulded shape, on the unit hemisphere.
     """
 
     points: Array

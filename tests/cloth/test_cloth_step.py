@@ -155,7 +155,7 @@ def test_rest_stays_rest(settled, fill, patches):
         before = after
 
 
-@pytest.mark.parametrize(("fill", "patches"), [(0.8, 0), (0.8, 60), (0.5, 60)])
+@pytest.mark.parametrize(("fill", "patches"), [(0.8, 0), (0.8, 24), (0.5, 24)])
 def test_pad_sway_keeps_length_and_volume(settled, fill, patches):
     cloth, saved = settled[fill]
     cloth.restore(saved)
@@ -212,6 +212,22 @@ def test_restart_is_bitwise(settled, patches):
         np.testing.assert_array_equal(value, whole[name], err_msg=name)
 
 
+@pytest.mark.parametrize(
+    ("rings", "fill", "clearance"), [(8, 0.1, 0.0), (8, 0.5, 0.0), (6, 0.5, 0.0), (6, 0.5, 0.02)]
+)
+def test_settles_on_coarse_meshes(rings, fill, clearance):
+    """Slack sheets creep: without extrapolation none of half fill settles in 1000 steps."""
+    cloth = build(rings, clearance=clearance * R)
+    load, zero = Water(fill * TANK, GRAVITY), np.zeros_like(cloth.reference)
+    assert settle(cloth, load, steps_max=1000).converged
+    for _ in range(20):
+        before = cloth.state.position
+        cloth.begin_step(0.005, load)
+        cloth.solve(zero)
+        cloth.accept_step()
+        assert np.abs(cloth.state.position - before).max() <= 1e-5 * R
+
+
 def test_restore_refuses_another_mesh():
     with pytest.raises(ValueError, match="resolution"):
         build(4).restore(build(5).save())
@@ -257,7 +273,7 @@ def test_held_cloth_never_moves():
 def test_clearance_keeps_a_wedge_open():
     """Lower half: 10 mm to the shell away from the rim, a 15 degree wedge next to it."""
     cloth = build(10, clearance=0.01)
-    settle(cloth, Water(0.3 * TANK, GRAVITY), steps_max=250)
+    settle(cloth, Water(0.3 * TANK, GRAVITY), steps_max=200)
     x, s = cloth.state.position, cloth.model.mesh.rim_distance
     gap = R - np.linalg.norm(x, axis=1)
     wanted = np.minimum(0.01, math.tan(math.radians(15.0)) * np.minimum(s, np.maximum(-x[:, 2], 0)))
