@@ -257,3 +257,7 @@ def info(as_json: AsJson = False) -> None:
 def main() -> None:
     """Entry point of ``edt``."""
     run_app(app)
+
+
+if __name__ == "__main__":
+    main()

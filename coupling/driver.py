@@ -20,7 +20,7 @@ from coupling.liquid import flow_of, load_model, start_flow
 from coupling.mapping import MovingLeastSquares
 from coupling.metrics.summary import summarise
 from coupling.motion import motion_of
-from coupling.ports import Array, FlowSample, HydrostaticLoad, RunFailed, RunStatistics, Sample
+from coupling.ports import AnyArray, FlowSample, HydrostaticLoad, RunFailed, RunStatistics, Sample
 from coupling.results import ResultsWriter, read_results
 from coupling.scene import Scene, load_scene, scene_toml, write_scene
 from coupling.schemes import scheme_named
@@ -251,7 +251,7 @@ class _Run:
         """Results first, then the checkpoint: it never knows more than they do."""
         clock = perf_counter()
         self.results.flush()
-        parts: dict[str, dict[str, Array]] = {
+        parts: dict[str, dict[str, AnyArray]] = {
             "settled": self.settled, "structure": self.cloth.save(),
         }  # fmt: skip
         if self.coupled is not None:

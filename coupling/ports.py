@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+AnyArray = NDArray[Any]
 
 
 class RunFailed(Exception):  # noqa: N818 - named for what a user reads
@@ -150,10 +151,10 @@ class Flow(Protocol):
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
 
-    def save(self) -> dict[str, Array]:
+    def save(self) -> dict[str, AnyArray]:
         """Everything ``restore`` needs."""
 
-    def restore(self, saved: Mapping[str, Array]) -> None:
+    def restore(self, saved: Mapping[str, AnyArray]) -> None:
         """The reverse of ``save``."""
 
 

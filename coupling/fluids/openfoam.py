@@ -7,7 +7,6 @@ stock solver from the committed fields; its points are all imposed.
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -27,7 +26,7 @@ from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.interface import swept_gradient
-from coupling.ports import Array, FlowSample, Ints, RunFailed
+from coupling.ports import AnyArray, Array, FlowSample, Ints, RunFailed
 
 REFRESH = 0.02  # displacement over R after which the added mass is out of date
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
@@ -76,10 +75,16 @@ class OpenFoamFlow:
         ``shell`` (s, 3) [m] are the shell's other points; a common factor takes them off the
         sphere until the mesh, an inscribed polyhedron, holds the liquid's ``volume`` [m^3].
         """
+        self._place(patch, self._raised(shell, patch, volume), volume)
+        self.case.create(self._all_points, viscosity=self.viscosity)
+
+    def _place(self, patch: Array, shell: Array, volume: float) -> None:
+        """The state of a liquid at rest."""
         self.time, self.steps = 0.0, 0
         self.points = self._initial = patch
-        self._shell = self._raised(shell, volume)
+        self._shell = shell
         reference = self.radius * self.mesh.points
+        self._asked = volume
         self._size = volume / fan_volume(reference[self._boundary])
         self._all_points = self._relaxed(reference, self._outline(patch), "t = 0 s")
         self._geometry = self._checked_geometry(self._all_points, "t = 0 s")
@@ -88,14 +93,13 @@ class OpenFoamFlow:
         count = len(self.faces)
         self._swept = np.zeros(count)
         self._flux = np.zeros((2, count))  # boundary flux [m^3/s] at the last step, the one before
-        self.case.create(self._all_points, viscosity=self.viscosity, radius=self.radius)
 
-    def _raised(self, shell: Array, volume: float) -> Array:
+    def _raised(self, shell: Array, patch: Array, volume: float) -> Array:
         factor = 1.0
         for _ in range(20):
             points = np.empty_like(self.mesh.points)
             points[self.mesh.shell_points] = factor * shell
-            points[self.mesh.patch_points] = self.points
+            points[self.mesh.patch_points] = patch
             missing = volume - fan_volume(points[self._boundary])
             if abs(missing) < 1e-12 * volume:
                 break
@@ -247,41 +251,30 @@ class OpenFoamFlow:
             )
         return geometry
 
-    def save(self) -> dict[str, Array]:
+    def save(self) -> dict[str, AnyArray]:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
         self._kept.add(self.time)
         self._rows = None  # made anew here as after a resume
-        folder = self.case.time_folder(self.time)
-        saved: dict[str, Array] = {
+        saved: dict[str, AnyArray] = {
             "time": np.array([self.time, self.steps]),
             "initial": self._initial,
             "shell": self._shell,
-            "volume": np.array([self.volume]),
+            "volume": np.array([self._asked]),
             "points": self._all_points,
             "swept": self._swept,
             "flux": self._flux,
         }
-        for path in sorted(folder.rglob("*")):
-            if path.is_file():
-                name = "file:" + path.relative_to(folder).as_posix()
-                saved[name] = np.frombuffer(path.read_bytes(), np.uint8)
-        return saved
+        return saved | self.case.pack(self.time)
 
-    def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``: the case is written anew, later times are gone."""
-        self.start(saved["initial"], saved["shell"], float(saved["volume"][0]))
-        self._shell = saved["shell"]
-        self._fan = fan_volume(self._outline(self._initial)[self._boundary])
+    def restore(self, saved: Mapping[str, AnyArray]) -> None:
+        """The reverse of ``save``; fields of later times are gone, a lost case is written anew."""
+        self._place(saved["initial"], saved["shell"], float(saved["volume"][0]))
+        if not self.case.exists:
+            self.case.create(self._all_points, viscosity=self.viscosity)
         self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
         self._all_points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
         self.points = self._all_points[self.mesh.patch_points]
         self._geometry = cell_geometry(self.mesh, self._all_points)
-        self._kept = {0.0, self.time}
-        folder = self.case.time_folder(self.time)
-        if self.time > 0:
-            shutil.rmtree(folder, ignore_errors=True)
-        for name, data in saved.items():
-            if name.startswith("file:"):
-                path = folder / name.removeprefix("file:")
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(np.asarray(data).astype(np.uint8).tobytes())
+        self.case.rewind(self.time)
+        self._kept = set(self.case.times)
+        self.case.unpack(self.time, saved)

@@ -5,11 +5,15 @@ The folder is an ordinary case: every dictionary is readable, ``checkMesh`` and 
 
 from __future__ import annotations
 
+import re
 import shutil
+from collections.abc import Mapping
 from importlib.resources import as_file, files
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
 from PyFoam.RunDictionary.ParsedParameterFile import ParsedParameterFile
 
 from coupling.foam import fields
@@ -20,6 +24,7 @@ if TYPE_CHECKING:
     from coupling.ports import Array
 
 _PATCHES = ("diaphragm", "shell")
+_TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
 
 
 class Case:
@@ -41,7 +46,7 @@ class Case:
         """The last solver call's output."""
         return self.folder / f"log.{self.openfoam.solver.name}"
 
-    def create(self, points: Array, *, viscosity: float, radius: float) -> None:
+    def create(self, points: Array, *, viscosity: float) -> None:
         """Write the whole case anew: mesh at ``points`` (P, 3) [m], liquid at rest."""
         if self.folder.exists():
             shutil.rmtree(self.folder)
@@ -102,7 +107,44 @@ class Case:
         """Folder of the fields at ``time`` [s], named as OpenFOAM names it."""
         return self.folder / f"{round(time, 11):.12g}"
 
+    @property
+    def exists(self) -> bool:
+        """Whether the case has been written."""
+        return (self.folder / "constant" / "polyMesh" / "boundary").is_file()
+
+    @property
+    def times(self) -> list[float]:
+        """Times [s] that have a folder of fields, in order."""
+        names = (path.name for path in self.folder.iterdir() if path.is_dir())
+        return sorted(float(name) for name in names if _TIME.fullmatch(name))
+
+    def rewind(self, time: float) -> None:
+        """Forget the fields from ``time`` [s] on; those at 0 stay."""
+        for later in self.times:
+            if later > time - 1e-11:
+                self.remove(later)
+
     def remove(self, time: float) -> None:
-        """Forget the fields at ``time`` [s]; those at 0 stay, the mesh refers to them."""
+        """Forget the fields at ``time`` [s]; those at 0 stay, the liquid at rest."""
         if time > 0:
             shutil.rmtree(self.time_folder(time), ignore_errors=True)
+
+    def pack(self, time: float) -> dict[str, NDArray[np.uint8]]:
+        """The files of the fields at ``time`` [s] as bytes, by ``file:`` and their names."""
+        folder = self.time_folder(time)
+        return {
+            f"file:{path.relative_to(folder).as_posix()}": np.frombuffer(
+                path.read_bytes(), np.uint8
+            )
+            for path in sorted(folder.rglob("*"))
+            if path.is_file()
+        }
+
+    def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
+        """The reverse of ``pack``; other entries of ``saved`` are let be."""
+        folder = self.time_folder(time)
+        for name, data in saved.items():
+            if name.startswith("file:"):
+                path = folder / name.removeprefix("file:")
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(data.astype(np.uint8).tobytes())

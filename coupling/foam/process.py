@@ -82,6 +82,10 @@ def _version(solver: str, project: str) -> str:
     return "unknown"
 
 
+# Debian's util-linux: the solver dies with us, also when we are killed, and leaves no late files.
+_LEASH = ("setpriv", "--pdeathsig", "KILL", "--") if shutil.which("setpriv") else ()
+
+
 def run_program(
     program: Path, case: Path, *, openfoam: OpenFoam, log: Path, timeout: float, moment: str
 ) -> None:
@@ -91,9 +95,11 @@ def run_program(
     ``OpenFoamFailed`` with the last lines of the log. Only the process started here is ended,
     with those that it started itself: it leads a group of its own.
     """
+    if not os.access(program, os.X_OK):
+        raise OpenFoamFailed(f"{moment}: {program} cannot be started: not a program.")
     try:
         with log.open("w") as output, subprocess.Popen(
-            [str(program), "-case", str(case)],
+            [*_LEASH, str(program), "-case", str(case)],
             cwd=case, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
             env=openfoam.environment | {"PWD": str(case)}, process_group=0,
         ) as process:  # fmt: skip
