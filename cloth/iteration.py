@@ -189,7 +189,8 @@ class Iteration:
 def iterate(problem: StepProblem, force: Array, count: int | None) -> Solution:
     """Solve the step under nodal ``force`` (n, 3) [N].
 
-    Raises ArithmeticError when the iteration diverges. ``count`` iterations; None: as many as the strain limit asks for, within the settings' bounds.
+    ``count`` iterations; None: as many as the strain limit asks for, within the settings' bounds.
+    Raises ArithmeticError when the iteration diverges.
     """
     settings, run = problem.settings, Iteration(problem, force)
     least = settings.iterations if count is None else count

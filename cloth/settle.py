@@ -19,6 +19,7 @@ MOMENTUM = 0.97  # of the last step, at most
 COASTING = 0.2  # momentum multiplies a slow motion by up to 1 / (1 - MOMENTUM) = 33
 SLIDING = 0.5  # weight of tangential motion: slack cloth slides on where hardly a force holds it
 QUIET_STEPS = 10
+PATIENCE = 500  # steps; from there on the tolerance grows in proportion to the steps done
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,8 +109,9 @@ def settle(
     steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` shell
     radii: the rms displacement of a step alone, or a fifth of it with the extrapolation if that is
     more, motion along the surface counted half. So slack cloth may still creep tangentially by
-    two tolerances a step. A wrinkled or slack sheet has many equilibria; the one found
-    depends on the path.
+    two tolerances a step. After 500 steps the tolerance grows with the steps, threefold at 1500:
+    what is left is the slow creep of a slack coarse sheet, most of all with a ``clearance``.
+    A wrinkled or slack sheet has many equilibria; the one found depends on the path.
     """
     if cloth.held:
         return Settled(steps=0, change=0.0, converged=True)
@@ -135,7 +137,7 @@ def settle(
         moved, motion = new["position"] - start, new["position"] - old["position"]
         normals = cloth.model.volume_and_gradient(start)[1]
         change = max(_weighted(moved, normals), COASTING * _weighted(motion, normals))
-        quiet = quiet + 1 if s >= 1.0 and change <= limit else 0
+        quiet = quiet + 1 if s >= 1.0 and change <= limit * max(1.0, step / PATIENCE) else 0
         if quiet >= QUIET_STEPS:
             log.info("settled after %d steps, rms change %.1e m", step, change)
             return Settled(steps=step, change=change, converged=True)

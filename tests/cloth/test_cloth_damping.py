@@ -1,0 +1,91 @@
+"""Bending damping acts on bending alone, and at the rate of its theory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+import scipy.linalg as sl
+
+from cloth.load import DRY, Settings
+from cloth.material import diaphragm
+from cloth.mesh import Mesh, hemisphere
+from cloth.step import Cloth
+
+SHEET = diaphragm("AF-E-332", 1.778e-3)
+
+
+@dataclass(frozen=True)
+class Nothing:
+    density: float = 0.0
+    body_force: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    volume: float | None = None
+    datum: float | None = 0.0
+
+
+def free(mesh: Mesh, settings: Settings) -> Cloth:
+    """Neither clamped nor near a shell."""
+    loose = replace(mesh, fixed=np.zeros(len(mesh.points), dtype=bool))
+    return Cloth(
+        mesh=loose, diaphragm=SHEET, shell_radius=10.0, compressive_stiffness=0.0, dry=settings
+    )
+
+
+def advance(cloth: Cloth, velocity: np.ndarray, dt: float, steps: int) -> np.ndarray:
+    cloth.restore({**cloth.save(), "velocity": velocity})
+    for _ in range(steps):
+        cloth.begin_step(dt, Nothing())
+        cloth.solve(np.zeros_like(velocity))
+        cloth.accept_step()
+    return cloth.state.velocity
+
+
+def strip(length: float, width: float, nx: int, ny: int) -> Mesh:
+    """A flat rectangle in x and y."""
+    x, y = np.meshgrid(np.linspace(0.0, length, nx + 1), np.linspace(0.0, width, ny + 1))
+    points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    corner = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
+    a, b, c, d = corner, corner + 1, corner + nx + 2, corner + nx + 1
+    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    none = np.zeros(len(points), dtype=bool)
+    return Mesh(points=points, triangles=triangles, fixed=none, rim_distance=np.ones(len(points)))
+
+
+@pytest.mark.parametrize("tau", [0.05, 3.0])
+def test_rigid_motion_of_the_moulded_shape_is_not_damped(tau):
+    """Turning by 1e-5 rad: the second order in it, 1e-10 of stretch, is all that may be felt."""
+    cloth = free(hemisphere(0.4445, 6), replace(DRY, bending_damping=tau, drag=0.0))
+    turning = np.cross([1e-3, 5e-4, 0.0], cloth.reference) + np.array([0.0, 3e-4, -2e-4])
+    end = advance(cloth, turning, 1e-3, 10)
+    np.testing.assert_allclose(end, turning, atol=1e-4 * np.abs(turning).max())
+
+
+@pytest.mark.parametrize("tau", [0.05, 0.5])
+def test_bending_wave_decays_at_its_rate(tau):
+    """q'' + tau w^2 q' + w^2 q = 0: the velocity of a mode after a time, second order in dt.
+
+    w^2 is the mode's own. The hinges' energy is three times the plate's kappa k^4 / 2 per area in
+    cylindrical bending (see ``build_hinges``): 2.95 here, less (k h)^2/6 of the cells.
+    """
+    cloth = free(
+        strip(0.6, 0.09, 40, 6),
+        replace(DRY, bending_damping=tau, drag=0.0, penalty=1e-2, iterations=40),
+    )
+    k, x = 2.0 * np.pi / 0.3, cloth.reference[:, 0]
+    energy = np.sin(k * x) @ cloth.model.bending @ np.sin(k * x)
+    plate = SHEET.bending_stiffness * k**4 * 0.5 * 0.6 * 0.09
+    assert energy / plate == pytest.approx(3.0, rel=0.03)
+    values, modes = sl.eigh(cloth.model.bending.toarray(), np.diag(cloth.mass))
+    best = int(np.argmax(np.abs(modes.T @ (np.cos(k * x) * cloth.mass))))
+    square, mode = values[best], modes[:, best]
+    root = np.sqrt(complex((0.5 * tau * square) ** 2 - square))
+    fast, slow = -0.5 * tau * square - root, -0.5 * tau * square + root
+    dt, steps = 0.02 / (tau * square), 50
+    t = dt * steps
+    wanted = ((fast * np.exp(fast * t) - slow * np.exp(slow * t)) / (fast - slow)).real
+    velocity = np.zeros_like(cloth.reference)
+    velocity[:, 2] = 1e-6 * mode
+    end = advance(cloth, velocity, dt, steps)[:, 2]
+    got = float(mode @ (cloth.mass * end)) / 1e-6
+    assert got == pytest.approx(wanted, rel=2e-3)
