@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -22,9 +23,10 @@ from coupling.metrics.summary import summarise
 from coupling.motion import motion_of
 from coupling.ports import AnyArray, FlowSample, HydrostaticLoad, RunFailed, RunStatistics, Sample
 from coupling.results import ResultsWriter, read_results
+from coupling.sampling import flow_metrics, sample_at
 from coupling.scene import Scene, load_scene, scene_toml, write_scene
 from coupling.schemes import scheme_named
-from coupling.structure import diaphragm_of, liquid_cg, settle_diaphragm
+from coupling.structure import diaphragm_of, settle_diaphragm
 
 Progress = Callable[[str, float, float, str], None]
 _log = logging.getLogger(__name__)
@@ -191,41 +193,19 @@ class _Run:
     def _sample(
         self, time: float, flow: FlowSample | None, iterations: int, residual: float
     ) -> Sample:
-        scene, state = self.scene, self.cloth.state
-        load = self._load(time, at_rest=time == 0.0)
+        state = self.cloth.state
         dynamic = np.zeros(len(state.position))
-        metrics: dict[str, float] = {}
-        weight = load.density * load.body_force * state.volume
-        cg = liquid_cg(state.position, self.cloth.triangles, scene.tank.radius, state.volume)
-        force, moment = weight, np.cross(cg, weight)
+        if flow is not None:
+            dynamic = self.to_nodes.weights @ flow.face_pressure
+        metrics = {}
         if self.coupled is not None:
-            metrics = self._flow_metrics(flow)
-            if flow is not None:
-                dynamic = self.to_nodes.weights @ flow.face_pressure
-                force = force + flow.wall_pressure_force
-                moment = moment + flow.wall_pressure_moment
-        hydrostatic = state.datum_pressure + load.density * state.position @ load.body_force
-        return Sample(
-            time=time, tank_acceleration=np.asarray(scene.gravity) - load.body_force,
-            tank_displacement=self.motion.displacement(time), position=state.position,
-            pressure=hydrostatic + dynamic, dynamic_pressure=dynamic, strain=state.strain,
-            volume=state.volume, datum_pressure=state.datum_pressure, liquid_cg=cg, force=force,
-            moment=moment, iterations=iterations, residual=residual, metrics=metrics,
+            metrics = flow_metrics(flow, self.flow.non_orthogonality_max)
+        return sample_at(
+            time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
+            load=self._load(time, at_rest=time == 0.0), gravity=np.asarray(self.scene.gravity),
+            displacement=self.motion.displacement(time), flow=flow, dynamic_pressure=dynamic,
+            iterations=iterations, residual=residual, metrics=metrics,
         )  # fmt: skip
-
-    def _flow_metrics(self, flow: FlowSample | None) -> dict[str, float]:
-        names = (
-            "speed_max",
-            "dphi_dt_max",
-            "non_orthogonality_max",
-            "volume_error",
-            "continuity_error",
-        )
-        if flow is None:
-            values = dict.fromkeys(names, 0.0)
-            values["non_orthogonality_max"] = self.flow.non_orthogonality_max
-            return values
-        return {name: float(getattr(flow, name)) for name in names}
 
     def _text(self, iterations: int) -> str:
         if self.coupled is None:
@@ -267,7 +247,7 @@ class _Run:
         """Run ``body`` and write the summary, however it ends."""
         try:
             body()
-        except RunFailed as error:
+        except (RunFailed, ArithmeticError) as error:  # the latter from the diaphragm's own solver
             _log.error("%s", error)
             return self._finish("failed", str(error))
         except KeyboardInterrupt:
@@ -288,17 +268,20 @@ class _Run:
         return summary
 
 
-class _log_file:  # noqa: N801 - used as a function
+@contextmanager
+def _log_file(folder: Path) -> Iterator[None]:
     """Everything logged while it is open also goes to ``log.txt`` of ``folder``."""
-
-    def __init__(self, folder: Path) -> None:
-        self._path = folder / "log.txt"
-
-    def __enter__(self) -> None:
-        self._handler = logging.FileHandler(self._path, encoding="utf-8")
-        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-        logging.getLogger().addHandler(self._handler)
-
-    def __exit__(self, *_: object) -> None:
-        logging.getLogger().removeHandler(self._handler)
-        self._handler.close()
+    handler = logging.FileHandler(folder / "log.txt", encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    ours = [logging.getLogger(name) for name in ("cloth", "coupling")]
+    levels = [logger.level for logger in ours]
+    for logger in ours:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        for logger, level in zip(ours, levels, strict=True):
+            logger.removeHandler(handler)
+            logger.setLevel(level)
+        handler.close()

@@ -1,0 +1,70 @@
+"""One instant of a run put together from both sides of the interface."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coupling.ports import Array, FlowSample, HydrostaticLoad, Ints, Sample, StructureState
+from coupling.structure import liquid_cg
+
+FLOW_METRICS = (
+    "speed_max",
+    "dphi_dt_max",
+    "non_orthogonality_max",
+    "volume_error",
+    "continuity_error",
+)
+
+
+def sample_at(
+    time: float,
+    *,
+    state: StructureState,
+    triangles: Ints,
+    radius: float,
+    load: HydrostaticLoad,
+    gravity: Array,
+    displacement: Array,
+    flow: FlowSample | None,
+    dynamic_pressure: Array,
+    iterations: int,
+    residual: float,
+    metrics: dict[str, float],
+) -> Sample:
+    """Results at ``time`` [s]; shapes and units as in ``Sample``.
+
+    The force on tank and diaphragm is that of the hydrostatic pressure on the closed boundary,
+    rho V b, and of p* on the flow's walls; the wall's shear, of the order of sqrt(nu f) times the
+    speed, is left out.
+    """
+    weight = load.density * load.body_force * state.volume
+    cg = liquid_cg(state.position, triangles, radius, state.volume)
+    force, moment = weight, np.cross(cg, weight)
+    if flow is not None:
+        force = force + flow.wall_pressure_force
+        moment = moment + flow.wall_pressure_moment
+    hydrostatic = state.datum_pressure + load.density * state.position @ load.body_force
+    return Sample(
+        time=time,
+        tank_acceleration=gravity - load.body_force,
+        tank_displacement=displacement,
+        position=state.position,
+        pressure=hydrostatic + dynamic_pressure,
+        dynamic_pressure=dynamic_pressure,
+        strain=state.strain,
+        volume=state.volume,
+        datum_pressure=state.datum_pressure,
+        liquid_cg=cg,
+        force=force,
+        moment=moment,
+        iterations=iterations,
+        residual=residual,
+        metrics=metrics,
+    )
+
+
+def flow_metrics(flow: FlowSample | None, non_orthogonality: float) -> dict[str, float]:
+    """The flow's scalars for a sample; at the start the liquid is at rest and has only its mesh."""
+    if flow is None:
+        return dict.fromkeys(FLOW_METRICS, 0.0) | {"non_orthogonality_max": non_orthogonality}
+    return {name: float(getattr(flow, name)) for name in FLOW_METRICS}
