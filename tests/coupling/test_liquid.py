@@ -1,0 +1,41 @@
+"""Which load and which mesh a scene gets."""
+
+import numpy as np
+import pytest
+from test_structure import GRAVITY, RADIUS, scene
+
+from coupling.fluids.datum import Datum
+from coupling.fluids.hydrostatic import Hydrostatic
+from coupling.liquid import flow_of, load_model
+from coupling.structure import diaphragm_of, settle_diaphragm
+
+
+def test_datum_is_zero_on_the_plane_at_the_level():
+    model = Datum(density=1000.0, level=0.1)
+    for force in (GRAVITY, np.array([12.0, 3.0, -9.81])):
+        load = model.load(force)
+        on_plane = -force / np.linalg.norm(force) * 0.1
+        assert load.datum + 1000.0 * force @ on_plane == pytest.approx(0.0, abs=1e-9)
+        assert load.volume is None
+
+
+def test_load_model_follows_the_scene():
+    assert isinstance(load_model(scene(model={"fluid": "datum"})), Datum)
+    for fluid in ("hydrostatic", "openfoam"):
+        model = load_model(scene(model={"fluid": fluid}))
+        assert isinstance(model, Hydrostatic)
+        assert model.volume == pytest.approx(0.8 * 4 / 3 * np.pi * RADIUS**3)
+
+
+@pytest.mark.openfoam
+@pytest.mark.parametrize(("fill", "cells"), [(0.5, 176), (0.8, 352)])
+def test_mesh_is_the_less_skewed_one(tmp_path, fill, cells):
+    """A diaphragm that leaves the wall at a right angle gets the half ball."""
+    chosen = scene(liquid={"name": "water", "fill_fraction": fill}, openfoam={"cells": 400})
+    cloth = diaphragm_of(chosen)
+    settle_diaphragm(cloth, chosen, load_model(chosen).load(GRAVITY))
+    flow, mapping = flow_of(chosen, tmp_path, cloth)
+    assert flow.mesh.cells == cells
+    np.testing.assert_allclose(
+        mapping.to_flow(cloth.reference), RADIUS * flow.mesh.moulded, atol=1e-9 * RADIUS
+    )

@@ -1,0 +1,88 @@
+"""The scene's diaphragm: what it is built from, where it settles, where the liquid's weight lies."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cloth.mesh import hemisphere
+from coupling.fluids.hydrostatic import Hydrostatic
+from coupling.ports import RunFailed
+from coupling.scene import scene_from
+from coupling.structure import diaphragm_of, liquid_cg, settle_diaphragm
+
+RADIUS = 0.4445
+GRAVITY = np.array([0.0, 0.0, -9.81])
+
+
+def scene(**sections):
+    base = {
+        "tank": {"radius": RADIUS},
+        "diaphragm": {"material": "AF-E-332", "thickness": 0.001778},
+        "liquid": {"name": "water", "fill_fraction": 0.8},
+        "time": {"duration": 0.1},
+        "cloth": {"resolution": 10},
+    }
+    return scene_from(base | sections)
+
+
+def test_cg_of_a_full_ball_is_its_centre():
+    cloth = hemisphere(RADIUS, 24)
+    errors = []
+    for rings in (12, 24):
+        cloth = hemisphere(RADIUS, rings)
+        volume = 4 / 3 * np.pi * RADIUS**3
+        errors.append(abs(liquid_cg(cloth.points, cloth.triangles, RADIUS, volume)[2]))
+    assert errors[1] < 0.3 * errors[0]  # the inscribed triangles miss O(h^2) of the upper half
+    assert errors[1] < 0.002 * RADIUS
+
+
+def test_cg_of_half_a_ball():
+    cloth = hemisphere(RADIUS, 8)
+    flat = cloth.points * [1, 1, 0]
+    cg = liquid_cg(flat, cloth.triangles, RADIUS, 2 / 3 * np.pi * RADIUS**3)
+    np.testing.assert_allclose(cg, [0, 0, -3 / 8 * RADIUS], atol=1e-12)
+
+
+def test_settles_at_the_level_of_the_spherical_cap():
+    chosen = scene()
+    cloth = diaphragm_of(chosen)
+    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    settle_diaphragm(cloth, chosen, load)
+    state = cloth.state
+    assert abs(state.volume / chosen.liquid_volume - 1) < 1e-9
+    level = 0.4318  # 1/2 + 3h/4 - h^3/4 = 0.8
+    crown = state.position[np.linalg.norm(state.position[:, :2], axis=1) < 0.5 * RADIUS, 2]
+    # Ten rings: the lying part is cut off by triangles, O(h^2/8R) of its height.
+    assert abs(crown.mean() / RADIUS - level) < (np.pi / 20) ** 2 / 2
+
+
+def test_held_diaphragm_stays():
+    chosen = scene(diaphragm={"material": "AF-E-332", "thickness": 0.001778, "held": True})
+    cloth = diaphragm_of(chosen)
+    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    settle_diaphragm(cloth, chosen, load)
+    before = cloth.state.position
+    cloth.begin_step(0.01, replace(load, body_force=np.array([15.0, 0.0, -9.81])))
+    after = cloth.solve(np.zeros_like(before))
+    np.testing.assert_array_equal(after, before)
+
+
+def test_clearance_only_where_there_is_a_flow():
+    flow = diaphragm_of(scene(model={"fluid": "openfoam"}))
+    still = diaphragm_of(scene(model={"fluid": "hydrostatic"}))
+    assert flow.model.clearance == pytest.approx(0.02 * RADIUS)
+    assert still.model.clearance == 0.0
+
+
+def test_says_when_no_rest_is_found():
+    chosen = scene()
+    cloth = diaphragm_of(chosen)
+    # More liquid than the moulded triangles can enclose: there is no equilibrium to be found.
+    load = Hydrostatic(density=998.0, volume=1.02 * chosen.tank.volume).load(GRAVITY)
+    with pytest.raises((RunFailed, ArithmeticError), match=r"settling|diverge"):
+        settle_diaphragm(cloth, chosen.model_copy(update={"liquid": _fuller(chosen)}), load)
+
+
+def _fuller(chosen):
+    return chosen.liquid.model_copy(update={"fill_fraction": 1.02})
