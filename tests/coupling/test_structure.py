@@ -1,4 +1,4 @@
-"""The scene's diaphragm: what it is built from, where it settles, where the liquid's weight lies."""
+"""The diaphragm of a scene: what it is built from, where it settles, where the liquid lies."""
 
 from dataclasses import replace
 
