@@ -68,6 +68,8 @@ def number(value: float | None, unit: str = "", digits: int = 3) -> str:
     if value is None:
         return "–"
     text = f"{value:.{digits}g}"
+    if 1.0 <= abs(value) < 1e5:
+        text = f"{float(text):g}"
     if "e" in text:
         mantissa, _, exponent = text.partition("e")
         raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
