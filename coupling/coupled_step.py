@@ -67,25 +67,22 @@ class CoupledStep:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
         start = self.flow.points
         x = self._begin(time, dt, load)
+        residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
             clock = perf_counter()
-            with self._timed("fluid"):
-                pressure = self.flow.solve(x)
+            pressure = self._flow_answer(x, time + dt, residuals)
             force = pressure_force(x, self.flow.faces, pressure)
             acceleration = (x - self._inertial) / self.structure.acceleration_scale
             nodal = self.mapping.to_cloth(force + self._inertia(acceleration))
             image = self._structure_answer(nodal)
             relative = self.convergence.relative(image - x, x - start)
+            residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
             converged = relative <= self.convergence.tolerance
             if converged or iteration == self.max_iterations:
                 break
             if not relative < DIVERGED:
-                raise RunFailed(
-                    f"t = {time + dt:.6g} s: the coupling diverges: iteration {iteration} would "
-                    f"move the interface by {relative:.1e} of the step's own displacement. "
-                    "Take coupling.scheme = 'added-mass', or raise diaphragm.density."
-                )
+                raise _diverged(time + dt, residuals)
             update = self.scheme.update(x.ravel(), (image - x).ravel()).reshape(x.shape)
             with self._timed("mapping"):
                 x = self.flow.close_volume(update)
@@ -130,6 +127,16 @@ class CoupledStep:
             return 0 * acceleration
         return np.tensordot(np.tensordot(self._rows, acceleration, 2), self._rows, 1)
 
+    def _flow_answer(self, x: Array, time: float, residuals: list[float]) -> Array:
+        """p* (F,) [Pa]; a flow that fails where the iterates run away is the coupling's failure."""
+        with self._timed("fluid"):
+            try:
+                return self.flow.solve(x)
+            except RunFailed as failure:
+                if residuals and max(residuals) > 1.0:
+                    raise _diverged(time, residuals) from failure
+                raise
+
     def _structure_answer(self, force: Array) -> Array:
         """The interface (p, 3) that nodal ``force`` (n, 3) [N] leads to, its volume closed."""
         with self._timed("structure"):
@@ -158,3 +165,11 @@ class CoupledStep:
         self._force = [saved[f"force{k}"] for k in range(count)]
         self._acceleration = [saved[f"acceleration{k}"] for k in range(count)]
         self._previous = saved.get("previous")
+
+
+def _diverged(time: float, residuals: list[float]) -> RunFailed:
+    last = ", ".join(f"{residual:.1e}" for residual in residuals[-4:])
+    return RunFailed(
+        f"t = {time:.6g} s: the coupling diverges: the last iterations left residuals of {last} "
+        "times the step's own displacement. Take coupling.scheme = 'added-mass' or halve time.step."
+    )
