@@ -31,8 +31,8 @@ class LoadModel(Protocol):
 def load_model(scene: Scene) -> LoadModel:
     """The hydrostatic part of the scene's ``model.fluid``."""
     if scene.model.fluid == "datum":
-        level = level_of_fill_fraction(scene.liquid.fill_fraction)
-        return Datum(density=scene.liquid.density, level=level * scene.tank.radius)
+        depth = level_of_fill_fraction(scene.liquid.fill_fraction)  # over R, from the bottom
+        return Datum(density=scene.liquid.density, level=(depth - 1.0) * scene.tank.radius)
     return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
 
 
