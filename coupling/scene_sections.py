@@ -228,7 +228,7 @@ class Coupling(Section):
         default=5, ge=0, description="number of unconverged steps after which the run stops"
     )
     relaxation: float = Field(
-        default=0.1, gt=0, le=1, description="first relaxation of aitken and iqn-ils"
+        default=0.01, gt=0, le=1, description="first relaxation of aitken and iqn-ils"
     )
 
 
