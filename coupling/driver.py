@@ -211,7 +211,7 @@ class _Run:
         if self.coupled is None:
             return ""
         mean = self.statistics.iterations_total / max(self.statistics.steps, 1)
-        text = f"{iterations} iterations, mean {mean:.1f}"
+        text = f"{iterations} iteration{'s'[: iterations > 1]}, mean {mean:.1f}"
         if self.statistics.unconverged_steps:
             text += f", {self.statistics.unconverged_steps} steps unconverged"
         return text

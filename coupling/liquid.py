@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Protocol
 
+import meshio
 import numpy as np
 
 from cloth.step import Cloth
@@ -68,9 +69,13 @@ def flow_of(scene: Scene, folder: Path, cloth: Cloth) -> tuple[OpenFoamFlow, Mov
 
 
 def start_flow(flow: OpenFoamFlow, mapping: MovingLeastSquares, scene: Scene, cloth: Cloth) -> None:
-    """Put the flow at rest below the settled ``cloth``."""
+    """Put the flow at rest below the settled ``cloth``, whose surface is left beside its mesh."""
     shell = scene.tank.radius * flow.mesh.points[flow.mesh.shell_points]
     flow.start(mapping.to_flow(cloth.state.position), shell, scene.liquid_volume)
+    surface = flow.case.folder / "constant" / "triSurface" / "diaphragm.stl"
+    surface.parent.mkdir()
+    triangles = [("triangle", cloth.triangles)]
+    meshio.write(surface, meshio.Mesh(cloth.state.position, triangles), binary=True)
 
 
 def _skewness(mesh: LiquidMesh, radius: float, patch: Array) -> float:

@@ -86,8 +86,8 @@ class IqnIls:
     # reused) 0.1 takes 13 iterations a step, 0.3 takes 16, 0.001 diverges, and no reuse takes 25.
     FILTER = 0.1
 
-    def __init__(self, relaxation: float, reuse: int) -> None:
-        self.relaxation, self.reuse = relaxation, reuse
+    def __init__(self, relaxation: float, reuse: int, *, filtering: float = FILTER) -> None:
+        self.relaxation, self.reuse, self.filtering = relaxation, reuse, filtering
         self._steps: list[tuple[Array, Array]] = []  # (V, W) of former steps, newest first
         self.begin_step()
 
@@ -124,7 +124,7 @@ class IqnIls:
             rest = vector - basis @ (basis.T @ vector)
             rest -= basis @ (basis.T @ rest)
             size = float(np.linalg.norm(rest))
-            if size > self.FILTER * float(np.linalg.norm(vector)):
+            if size > self.filtering * float(np.linalg.norm(vector)):
                 keep.append(column)
                 basis = np.column_stack([basis, rest / size])
         return keep

@@ -141,8 +141,9 @@ class OpenFoamFlow:
             return self._elastic.relax(start, outline, size=self._size)
         except MeshFolds:
             raise RunFailed(
-                f"{moment}: no valid mesh of the liquid was found. Lower motion.amplitude, raise "
-                "openfoam.clearance, or take model.fluid = 'hydrostatic'."
+                f"{moment}: no valid mesh of the liquid was found below the diaphragm. Raise "
+                "liquid.fill_fraction (0.25 and more has worked at rest), lower motion.amplitude, "
+                "or take model.fluid = 'hydrostatic'."
             ) from None
 
     def solve(self, points: Array) -> Array:

@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any
 
 from coupling.ports import RunFailed
-from coupling.verify.case import Quantity, VerifyResult, quantity
+from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity
 
 __all__ = [
     "CASES",
@@ -34,10 +34,6 @@ CASES: dict[str, str] = {
     "eq46": "coupling.verify.numbers:eq46",
     "numbers": "coupling.verify.numbers:numbers",
 }
-
-
-class CaseError(Exception):
-    """An unknown case or a wrong option; the message lists what there is."""
 
 
 def case_function(name: str) -> Callable[..., VerifyResult]:

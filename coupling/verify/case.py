@@ -7,6 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 
+class CaseError(Exception):
+    """An unknown case or a wrong option; the message lists what there is."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
     """A number beside its exact value, both in ``unit`` ("-" where dimensionless).

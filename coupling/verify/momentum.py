@@ -19,7 +19,7 @@ from coupling.mapping import Matching
 from coupling.motion import SineMotion
 from coupling.ports import Array, HydrostaticLoad, RunFailed
 from coupling.schemes import scheme_named
-from coupling.verify.case import VerifyResult, quantity
+from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
 from coupling.verify.slosh import DENSITY, GRAVITY, RADIUS, level_shape
 
@@ -47,7 +47,7 @@ def momentum(
     """
     clock = perf_counter()
     if fluid != "openfoam":
-        raise RunFailed(f"verify momentum: fluid must be openfoam, got {fluid}.")
+        raise CaseError(f"verify momentum: fluid must be openfoam, got {fluid}.")
     with tempfile.TemporaryDirectory() as folder:
         force, centre, flow_momentum, mass = _shaken(Path(folder), step, resolution)
     rate = mass * _difference(_difference(centre, step), step)

@@ -12,7 +12,7 @@ from coupling.driver import run
 from coupling.ports import RunFailed
 from coupling.results import read_results
 from coupling.scene import scene_from
-from coupling.verify.case import VerifyResult, quantity
+from coupling.verify.case import CaseError, VerifyResult, quantity
 
 RADIUS, DENSITY, FILL_FRACTION = 0.4445, 1000.0, 0.8
 FREQUENCY, AMPLITUDE, DIRECTION = 1.25, 0.05, (1.0, 0.5, 0.25)
@@ -30,7 +30,7 @@ def rigid(*, fluid: str = "openfoam", resolution: int = 350) -> VerifyResult:
     """
     clock = perf_counter()
     if fluid != "openfoam":
-        raise RunFailed(f"verify rigid: fluid must be openfoam, got {fluid}.")
+        raise CaseError(f"verify rigid: fluid must be openfoam, got {fluid}.")
     scene = scene_from(_scene(fluid, resolution), where="verify rigid")
     with tempfile.TemporaryDirectory() as folder:
         summary = run(scene, Path(folder))

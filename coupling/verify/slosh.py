@@ -20,7 +20,7 @@ from coupling.foam.process import find_openfoam
 from coupling.mapping import Matching
 from coupling.ports import Array, HydrostaticLoad, RunFailed
 from coupling.schemes import scheme_named
-from coupling.verify.case import VerifyResult, quantity
+from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
 
 # omega^2 R/g of lateral (m = 1) modes, by level over R and mode: McIver, J. Fluid Mech. 201 (1989).
@@ -50,7 +50,7 @@ def slosh(
     clock = perf_counter()
     if (level, mode) not in EIGENVALUES or fluid != "openfoam":
         known = ", ".join(f"({h:g}, {m})" for h, m in EIGENVALUES)
-        raise RunFailed(f"verify slosh: (level, mode) must be one of {known}, fluid openfoam.")
+        raise CaseError(f"verify slosh: (level, mode) must be one of {known}, fluid openfoam.")
     exact = EIGENVALUES[level, mode]
     omega = float(np.sqrt(exact * GRAVITY / RADIUS))
     with tempfile.TemporaryDirectory() as folder:
