@@ -192,7 +192,7 @@ class Cloth(Section):
     )
     iterations: int = Field(default=20, ge=1, le=10000, description="inner iterations of a solve")
     bending_damping: float = Field(
-        default=1.0,
+        default=0.3,
         ge=0,
         description="bending moment per rate over that per curvature [s]; stands for folds below "
         "the grid",
