@@ -108,7 +108,7 @@ class OpenFoamFlow:
 
     def begin_step(self, time: float, dt: float) -> None:
         """Start a step of ``dt`` [s] from the committed fields at ``time`` [s]."""
-        self.time, self.dt = time, dt
+        self.time, self.dt = round(time, 11), dt  # as the case's folders are named
         self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
 
     def close_volume(self, points: Array) -> Array:
@@ -237,7 +237,7 @@ class OpenFoamFlow:
 
     def _continuity(self) -> float:
         """What the solver's log says that its last fluxes miss; NaN where it says nothing."""
-        said = read_log(self.case.log, self.time)
+        said = read_log(self.case.log)
         return float("nan") if said is None else said.continuity
 
     def _checked_geometry(self, points: Array, moment: str) -> CellGeometry:

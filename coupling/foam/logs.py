@@ -25,16 +25,17 @@ class SolverLog:
     iterations: int
 
 
-def read_log(log: Path, time: float) -> SolverLog | None:
-    """The last figures of the step to ``time`` [s]; None where the log has none."""
+def read_log(log: Path) -> SolverLog | None:
+    """The last figures of a solver's output; None where it has none."""
     analyzer = FoamLogAnalyzer()
     for name, line in _LINES.items():
-        analyzer.addAnalyzer(name, RegExpLineAnalyzer(name, line, doFiles=False))
+        lines = RegExpLineAnalyzer(name, line, doTimelines=True, doFiles=False, accumulation="last")
+        analyzer.addAnalyzer(name, lines)
     with log.open("rb") as stream:
         analyzer.analyze(stream)
-    continuity = analyzer.getAnalyzer("continuity").getData(time)
-    pressure = analyzer.getAnalyzer("pressure").getData(time)
-    if not continuity or not pressure:
+    continuity = list(analyzer.getAnalyzer("continuity").getCurrentData().values())
+    pressure = list(analyzer.getAnalyzer("pressure").getCurrentData().values())
+    if len(continuity) != 1 or len(pressure) != 2:
         return None
     return SolverLog(
         continuity=abs(float(continuity[0])),
