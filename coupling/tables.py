@@ -16,6 +16,8 @@ from coupling.numbers import Numbers
 from coupling.scene import Scene
 from coupling.verify import VerifyResult
 
+LOWEST_MESHED_FILL = 0.25  # of the settled diaphragm at 400 cells and 12 rings
+
 
 def print_json(value: Mapping[str, Any]) -> None:
     """Print ``value`` on stdout as JSON; numbers that JSON does not know become null."""
@@ -152,6 +154,11 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
     ]
     print_table("estimates", ("fluid model", "relative error", "wall time [s]"), estimates)
     print("hydrostatic error: (f/f1)^2. datum: besides, its volume of liquid drifts.")
+    if scene.liquid.fill_fraction < LOWEST_MESHED_FILL:
+        print(
+            f"openfoam: below a fill fraction of {LOWEST_MESHED_FILL:g} no mesh has been found at "
+            "rest; the rim of the liquid would have to leave the equator."
+        )
     print(f"advised: {numbers.advised} (the scene says {scene.model.fluid})")
 
 
