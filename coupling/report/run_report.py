@@ -55,14 +55,14 @@ def run_page(run: RunFiles) -> Page:
 def _sections(run: RunFiles) -> list[Section]:
     sections = [_shape(run)] if len(run.results.time) else []
     if len(run.results.time) > 1:
-        sections += [_pressure(run), _motion(run)]
+        sections += [pressure_section(run), _motion(run)]
     else:
         sections.append(
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
         )
     return [
         *sections,
-        _quality(run),
+        quality_section(run),
         Section(title="Scene", tables=scene_tables(run), source=run.results.scene_toml),
     ]
 
@@ -80,7 +80,8 @@ def _shape(run: RunFiles) -> Section:
     )
 
 
-def _pressure(run: RunFiles) -> Section:
+def pressure_section(run: RunFiles) -> Section:
+    """The Bernoulli figures, and p* beside the hydrostatic pressure over time."""
     return Section(
         title="What hydrostatics leaves out",
         tables=[bernoulli_table(run)],
@@ -112,7 +113,8 @@ def _motion(run: RunFiles) -> Section:
     )
 
 
-def _quality(run: RunFiles) -> Section:
+def quality_section(run: RunFiles) -> Section:
+    """Iterations, strain, volume and mesh over time, and the wall time by part."""
     pictures: list[Picture] = []
     if len(run.iterations):
         pictures.append(coupling_figure(run))

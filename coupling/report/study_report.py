@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from coupling.report.figures import model_legend, overlay, speed_figure
 from coupling.report.files import RunFiles, pressure_rms, read_run
 from coupling.report.instants import overlaid_sections
 from coupling.report.page import Page, Picture, Section, Table, number, percent
-from coupling.report.run_report import provenance
+from coupling.report.run_report import pressure_section, provenance, quality_section
 from coupling.report.scene_table import scene_tables
 
 _COLUMNS = {
@@ -37,7 +38,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     failed = [f"{name}: {row['failure']}" for name, row in rows.items() if row.get("failure")]
     sections = [_errors(study)]
     if runs:
-        sections += [*_curves(runs, study), _shapes(runs), _scene(runs[0])]
+        sections += [*_curves(runs, study), _shapes(runs), *_reference(runs), _scene(runs[0])]
     title = runs[0].scene.title if runs else ""
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",
@@ -137,6 +138,16 @@ def _speed(study: Mapping[str, Any]) -> list[Picture]:
         if error is not None and error[1] > 0.0 and row.get("wall_s"):
             points.append((name, float(row["wall_s"]), error[1]))
     return [speed_figure(points)] if points else []
+
+
+def _reference(runs: Sequence[RunFiles]) -> list[Section]:
+    """What the run with a flow says of itself: pressures, iterations, mesh, wall time by part."""
+    return [
+        replace(section, title=f"{section.title} ({run.model})")
+        for run in runs
+        if run.has_flow and len(run.results.time) > 1
+        for section in (pressure_section(run), quality_section(run))
+    ]
 
 
 def _shapes(runs: Sequence[RunFiles]) -> Section:
