@@ -16,13 +16,20 @@ class Load(Protocol):
     """
 
     @property
-    def density(self) -> float: ...
+    def density(self) -> float:
+        """Of the liquid [kg/m^3]."""
+
     @property
-    def body_force(self) -> Array: ...
+    def body_force(self) -> Array:
+        """Gravity less the tank's acceleration (3,) [m/s^2]."""
+
     @property
-    def volume(self) -> float | None: ...
+    def volume(self) -> float | None:
+        """Of the liquid [m^3], where it is a constraint."""
+
     @property
-    def datum(self) -> float | None: ...
+    def datum(self) -> float | None:
+        """Given pressure at the tank's centre [Pa], where the volume is free."""
 
 
 @dataclass(frozen=True, kw_only=True)

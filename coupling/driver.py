@@ -64,6 +64,7 @@ class _Run:
         self.clock = perf_counter()
 
     def from_start(self) -> dict[str, Any]:
+        """The whole run; returns the summary."""
         self.results = ResultsWriter(
             self.folder, scene_toml=scene_toml(self.scene), model=self.scene.model.fluid,
             reference=self.cloth.reference, triangles=self.cloth.triangles,
@@ -87,6 +88,7 @@ class _Run:
         self._loop(0)
 
     def from_checkpoint(self) -> dict[str, Any]:
+        """The rest of a run whose folder holds a checkpoint; returns the summary."""
         parts, attributes = checkpoint.load_checkpoint(self.folder / "checkpoint.h5")
         step = int(attributes["step"])
         time = step * self.scene.time.step
