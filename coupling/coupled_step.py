@@ -21,14 +21,12 @@ _EXTRAPOLATION = {0: (), 1: (1.0,), 2: (2.0, -1.0), 3: (3.0, -3.0, 1.0)}
 
 @dataclass(frozen=True, kw_only=True)
 class StepOutcome:
-    """What a coupled step took: ``residual`` relative, ``nodal_force`` of p* on the
-    structure's nodes (n, 3) [N]."""
+    """What a coupled step took; ``residual`` is relative, as ``Convergence`` has it."""
 
     iterations: int
     residual: float
     converged: bool
     sample: FlowSample
-    nodal_force: Array
 
 
 class CoupledStep:
@@ -70,11 +68,13 @@ class CoupledStep:
         residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
             clock = perf_counter()
-            pressure = self._flow_answer(x, time + dt, residuals)
-            force = pressure_force(x, self.flow.faces, pressure)
-            acceleration = (x - self._inertial) / self.structure.acceleration_scale
-            nodal = self.mapping.to_cloth(force + self._inertia(acceleration))
-            image = self._structure_answer(nodal)
+            with _told_from_divergence(time + dt, residuals):
+                with self._timed("fluid"):
+                    pressure = self.flow.solve(x)
+                force = pressure_force(x, self.flow.faces, pressure)
+                acceleration = (x - self._inertial) / self.structure.acceleration_scale
+                nodal = self.mapping.to_cloth(force + self._inertia(acceleration))
+                image = self._structure_answer(nodal)
             relative = self.convergence.relative(image - x, x - start)
             residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
@@ -96,7 +96,6 @@ class CoupledStep:
             residual=relative,
             converged=converged,
             sample=self.flow.accept_step(),
-            nodal_force=self.mapping.to_cloth(force),
         )
 
     def _begin(self, time: float, dt: float, load: HydrostaticLoad) -> Array:
@@ -127,16 +126,6 @@ class CoupledStep:
             return 0 * acceleration
         return np.tensordot(np.tensordot(self._rows, acceleration, 2), self._rows, 1)
 
-    def _flow_answer(self, x: Array, time: float, residuals: list[float]) -> Array:
-        """p* (F,) [Pa]; a flow that fails where the iterates run away is the coupling's failure."""
-        with self._timed("fluid"):
-            try:
-                return self.flow.solve(x)
-            except RunFailed as failure:
-                if residuals and max(residuals) > 1.0:
-                    raise _diverged(time, residuals) from failure
-                raise
-
     def _structure_answer(self, force: Array) -> Array:
         """The interface (p, 3) that nodal ``force`` (n, 3) [N] leads to, its volume closed."""
         with self._timed("structure"):
@@ -165,6 +154,21 @@ class CoupledStep:
         self._force = [saved[f"force{k}"] for k in range(count)]
         self._acceleration = [saved[f"acceleration{k}"] for k in range(count)]
         self._previous = saved.get("previous")
+
+
+@contextmanager
+def _told_from_divergence(time: float, residuals: list[float]) -> Iterator[None]:
+    """A side that fails where the iterates run away is the coupling's failure, not its own."""
+    try:
+        yield
+    except ArithmeticError as failure:
+        if residuals:
+            raise _diverged(time, residuals) from failure
+        raise
+    except RunFailed as failure:
+        if residuals and max(residuals) > 1.0:
+            raise _diverged(time, residuals) from failure
+        raise
 
 
 def _diverged(time: float, residuals: list[float]) -> RunFailed:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,11 @@ def diaphragm_of(scene: Scene) -> Cloth:
     """
     cloth, rubber, radius = scene.cloth, scene.diaphragm, scene.tank.radius
     clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
+    stated: dict[str, Any] = {
+        "iterations": cloth.iterations,
+        "bending_damping": cloth.bending_damping,
+        "drag": cloth.drag,
+    }
     return Cloth(
         mesh=hemisphere(radius, cloth.resolution),
         diaphragm=Diaphragm(
@@ -35,13 +41,8 @@ def diaphragm_of(scene: Scene) -> Cloth:
         shell_radius=radius,
         strain_limit=cloth.strain_limit,
         clearance=clearance,
-        dry=replace(DRY, iterations=cloth.iterations, bending_damping=cloth.bending_damping),
-        wet=replace(
-            WET,
-            iterations=cloth.iterations,
-            bending_damping=cloth.bending_damping,
-            drag=cloth.drag,
-        ),
+        dry=replace(DRY, **stated),
+        wet=replace(WET, **stated),
     )
 
 
