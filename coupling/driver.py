@@ -36,7 +36,8 @@ def run(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict
     """Settle the diaphragm, then shake the tank; results go to ``folder``.
 
     Returns what ``summary.json`` holds. A run that fails has the status ``failed`` and its reason
-    there; what was computed is kept. KeyboardInterrupt passes through after a checkpoint.
+    there; what was computed is kept. KeyboardInterrupt passes through; the last
+    checkpoint is where ``resume`` goes on.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_scene(scene, folder)
@@ -141,7 +142,7 @@ class _Run:
             self.statistics.simulated_s = after
             state = self.cloth.state
             strain = float(state.strain.max(initial=0.0))
-            self.statistics.strain_tensile_max = max(self.statistics.strain_tensile_max, strain)
+            self._count_strain(after, strain)
             if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
                 self._write(self._sample(after, flow, iterations, residual))
             if (step + 1) % time.checkpoint_every == 0:
@@ -220,6 +221,16 @@ class _Run:
 
     def _count(self, part: str, since: float) -> None:
         self.statistics.wall_by_part[part] += perf_counter() - since
+
+    def _count_strain(self, time: float, strain: float) -> None:
+        """A new largest strain beyond the limit is said: the inner iterations did not suffice."""
+        limit = self.scene.cloth.strain_limit
+        if strain > max(limit, self.statistics.strain_tensile_max):
+            _log.warning(
+                "t = %.6g s: the largest tensile strain is %.2e, above cloth.strain_limit %g. "
+                "Raise cloth.iterations, or halve time.step.", time, strain, limit,
+            )  # fmt: skip
+        self.statistics.strain_tensile_max = max(self.statistics.strain_tensile_max, strain)
 
     def _count_volume(self, error: float) -> None:
         self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
