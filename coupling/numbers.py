@@ -181,7 +181,7 @@ def numbers_of(scene: Scene) -> Numbers:
     f = _driving_frequency(scene)
     error = None if f is None else hydrostatic_error(f, f1)
     wavelength = elasto_gravity_wavelength(
-        bending_stiffness=rubber.bending_stiffness, density=density, gravity=gravity
+        bending_stiffness=rubber.sheet.bending_stiffness, density=density, gravity=gravity
     )
     enough = error is not None and error < HYDROSTATIC_IS_ENOUGH
     return Numbers(
@@ -201,7 +201,7 @@ def numbers_of(scene: Scene) -> Numbers:
         added_mass_ratio=added_mass_ratio(
             density=density,
             radius=radius,
-            area_density=rubber.area_density,
+            area_density=rubber.sheet.area_density,
             eigenvalue=slosh_eigenvalue(level),
         ),
         hydrostatic_error=error,

@@ -12,6 +12,8 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from cloth.material import ELASTOMERS
+from cloth.material import Diaphragm as Sheet
 from coupling.liquids import LIQUIDS
 from coupling.ports import Array
 
@@ -46,12 +48,8 @@ class Tank(Section):
 def named_material(name: str) -> dict[str, float]:
     """Density, Young's modulus and Poisson's ratio of a built-in elastomer, where known.
 
-    The only place where a scene asks the diaphragm's package for anything.
-
     Raises ``PydanticCustomError`` for a name that is not built in.
     """
-    from cloth.material import ELASTOMERS
-
     found = {known.lower(): data for known, data in ELASTOMERS.items()}.get(name.lower())
     if found is None:
         raise PydanticCustomError(
@@ -98,14 +96,14 @@ class Diaphragm(Section):
         return named_material(given["material"]) | given
 
     @property
-    def area_density(self) -> float:
-        """Mass per area [kg/m^2]."""
-        return self.density * self.thickness
-
-    @property
-    def bending_stiffness(self) -> float:
-        """Plate stiffness E t^3 / (12 (1 - nu^2)) [N m]."""
-        return self.youngs_modulus * self.thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
+    def sheet(self) -> Sheet:
+        """The rubber as the cloth knows it, with what follows from these numbers."""
+        return Sheet(
+            thickness=self.thickness,
+            density=self.density,
+            youngs_modulus=self.youngs_modulus,
+            poisson_ratio=self.poisson_ratio,
+        )
 
 
 class Liquid(Section):

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from cloth.load import DRY, WET
-from cloth.material import Diaphragm
 from cloth.mesh import hemisphere
 from cloth.settle import settle
 from cloth.step import Cloth
@@ -23,7 +22,7 @@ def diaphragm_of(scene: Scene) -> Cloth:
 
     A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell.
     """
-    cloth, rubber, radius = scene.cloth, scene.diaphragm, scene.tank.radius
+    cloth, radius = scene.cloth, scene.tank.radius
     clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
     stated: dict[str, Any] = {
         "iterations": cloth.iterations,
@@ -32,12 +31,7 @@ def diaphragm_of(scene: Scene) -> Cloth:
     }
     return Cloth(
         mesh=hemisphere(radius, cloth.resolution),
-        diaphragm=Diaphragm(
-            thickness=rubber.thickness,
-            density=rubber.density,
-            youngs_modulus=rubber.youngs_modulus,
-            poisson_ratio=rubber.poisson_ratio,
-        ),
+        diaphragm=scene.diaphragm.sheet,
         shell_radius=radius,
         strain_limit=cloth.strain_limit,
         clearance=clearance,

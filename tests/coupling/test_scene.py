@@ -65,9 +65,9 @@ def test_a_folder_and_its_file_give_the_same_scene(folder: Path):
 def test_volumes_and_stiffness(folder: Path):
     scene = load_scene(folder)
     assert scene.liquid_volume == pytest.approx(0.8 * 4 / 3 * math.pi * 0.4445**3, rel=1e-14)
-    assert scene.diaphragm.area_density == pytest.approx(1070 * 0.001778, rel=1e-14)
+    assert scene.diaphragm.sheet.area_density == pytest.approx(1070 * 0.001778, rel=1e-14)
     expected = 8.6e6 * 0.001778**3 / 9.0  # 12 (1 - 1/4) = 9
-    assert scene.diaphragm.bending_stiffness == pytest.approx(expected, rel=1e-14)
+    assert scene.diaphragm.sheet.bending_stiffness == pytest.approx(expected, rel=1e-14)
 
 
 def test_a_material_gives_its_numbers_and_a_number_overrides_it(folder: Path):
