@@ -8,7 +8,6 @@ from typing import Protocol
 import meshio
 import numpy as np
 
-from cloth.step import Cloth
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.fluids.openfoam import OpenFoamFlow
@@ -18,7 +17,7 @@ from coupling.foam.process import find_openfoam
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.mapping import MovingLeastSquares
 from coupling.numbers import level_of_fill_fraction
-from coupling.ports import Array, HydrostaticLoad
+from coupling.ports import Array, HydrostaticLoad, Structure
 from coupling.scene import Scene
 
 
@@ -37,7 +36,9 @@ def load_model(scene: Scene) -> LoadModel:
     return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
 
 
-def flow_of(scene: Scene, folder: Path, cloth: Cloth) -> tuple[OpenFoamFlow, MovingLeastSquares]:
+def flow_of(
+    scene: Scene, folder: Path, cloth: Structure
+) -> tuple[OpenFoamFlow, MovingLeastSquares]:
     """The flow below the settled ``cloth``, not yet started, and its map to the cloth.
 
     Of the mesh's two topologies the one that is less skewed below the settled diaphragm is taken.
@@ -68,7 +69,9 @@ def flow_of(scene: Scene, folder: Path, cloth: Cloth) -> tuple[OpenFoamFlow, Mov
     return flow, mapping
 
 
-def start_flow(flow: OpenFoamFlow, mapping: MovingLeastSquares, scene: Scene, cloth: Cloth) -> None:
+def start_flow(
+    flow: OpenFoamFlow, mapping: MovingLeastSquares, scene: Scene, cloth: Structure
+) -> None:
     """Put the flow at rest below the settled ``cloth``, whose surface is left beside its mesh."""
     shell = scene.tank.radius * flow.mesh.points[flow.mesh.shell_points]
     flow.start(mapping.to_flow(cloth.state.position), shell, scene.liquid_volume)

@@ -81,7 +81,12 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
-        problems = [*_check_shape(self), *_check_motion(self), *_check_time(self)]
+        problems = [
+            *_check_shape(self),
+            *_check_grid(self),
+            *_check_motion(self),
+            *_check_time(self),
+        ]
         if problems:
             raise PydanticCustomError(
                 "cross_check", "{problems}", {"problems": "\n".join(problems)}
@@ -101,6 +106,22 @@ def _check_shape(scene: Scene) -> list[str]:
         problems.append(
             f"gravity: its z component must be negative, got {list(scene.gravity)}. "
             "Turn the tank so that the liquid lies below the diaphragm, at negative z."
+        )
+    return problems
+
+
+def _check_grid(scene: Scene) -> list[str]:
+    """What the thesis' grid can do: it has no volume constraint, and no middle if odd."""
+    problems = []
+    if scene.cloth.grid == "thesis" and scene.model.fluid != "datum":
+        problems.append(
+            f'cloth.grid: "thesis" needs model.fluid = "datum", got "{scene.model.fluid}". '
+            'Take cloth.grid = "rings" for a liquid that keeps its volume.'
+        )
+    if scene.cloth.grid == "thesis" and scene.cloth.resolution % 2:
+        problems.append(
+            f'cloth.resolution: must be even for cloth.grid = "thesis", got '
+            f"{scene.cloth.resolution}. Give the number of nodes across, 26 in the thesis."
         )
     return problems
 

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from cloth.material import ELASTOMERS
 from cloth.material import Diaphragm as Sheet
+from cloth.thesis.grid import SIZE
 from coupling.liquids import LIQUIDS
 from coupling.ports import Array
 
@@ -178,10 +179,23 @@ class Model(Section):
 
 
 class Cloth(Section):
-    """The diaphragm's mesh and solver."""
+    """The diaphragm's mesh and solver.
 
-    resolution: int = Field(default=24, ge=4, le=200, description="number of rings of triangles")
-    grid: Literal["rings"] = Field(default="rings", description='grid: "rings"')
+    ``grid = "thesis"`` is the thesis' own square grid and explicit algorithm, to be measured
+    against; of the settings here it takes ``resolution`` and ``strain_limit`` (its allowable
+    strain, a mean) only.
+    """
+
+    resolution: int = Field(
+        default=24,
+        ge=4,
+        le=200,
+        description='number of rings of triangles; with grid = "thesis" the even number of nodes '
+        "across its square, the thesis' 26 if left out",
+    )
+    grid: Literal["rings", "thesis"] = Field(
+        default="rings", description='grid: "rings" or "thesis"'
+    )
     wrinkling: Literal["relaxed"] = Field(
         default="relaxed", description='wrinkling model: "relaxed" (folds below the grid)'
     )
@@ -196,6 +210,13 @@ class Cloth(Section):
         "the grid",
     )
     drag: float = Field(default=100.0, ge=0, description="tangential drag of slack cloth [1/s]")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size_of_thesis(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or given.get("grid") != "thesis":
+            return given
+        return {"resolution": SIZE} | given
 
 
 class OpenFoam(Section):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -11,18 +11,40 @@ from cloth.load import DRY, WET
 from cloth.mesh import hemisphere
 from cloth.settle import settle
 from cloth.step import Cloth
-from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed
+from cloth.thesis.grid import thesis_grid
+from cloth.thesis.sheet import STEP, ThesisSheet
+from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed, Structure
 from coupling.scene import Scene
 
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
 
-def diaphragm_of(scene: Scene) -> Cloth:
+class Diaphragm(Structure, Protocol):
+    """A structure that can be held where it settled."""
+
+    mass: Array  # (n,) [kg]
+    held: bool  # no node ever moves
+
+    @property
+    def iterations(self) -> int:
+        """Inner iterations of the last solve."""
+
+
+def diaphragm_of(scene: Scene) -> Diaphragm:
     """The scene's diaphragm in its moulded shape.
 
-    A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell.
+    A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell. The thesis'
+    own steps are of 1 ms, or of ``time.step`` if that is shorter.
     """
     cloth, radius = scene.cloth, scene.tank.radius
+    if cloth.grid == "thesis":
+        return ThesisSheet(
+            grid=thesis_grid(radius, cloth.resolution),
+            diaphragm=scene.diaphragm.sheet,
+            shell_radius=radius,
+            strain=cloth.strain_limit,
+            step=min(STEP, scene.time.step),
+        )
     clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
     stated: dict[str, Any] = {
         "iterations": cloth.iterations,
@@ -40,11 +62,21 @@ def diaphragm_of(scene: Scene) -> Cloth:
     )
 
 
-def settle_diaphragm(cloth: Cloth, scene: Scene, load: HydrostaticLoad) -> None:
+def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> None:
     """Bring ``cloth`` to rest under ``load``, by way of the scene's liquid volume.
 
-    Raises ``RunFailed`` where no equilibrium is found.
+    Raises ``RunFailed`` where no equilibrium is found. The thesis' diaphragm runs ``time.settle``
+    from its moulded shape instead, 1 s in the thesis, and whatever it has come to is taken for
+    its rest, velocities included.
     """
+    if isinstance(cloth, ThesisSheet):
+        if scene.time.settle > 0.0:
+            cloth.begin_step(scene.time.settle, load)
+            cloth.solve(np.zeros_like(cloth.reference))
+            cloth.accept_step()
+        cloth.held = scene.diaphragm.held
+        return
+    assert isinstance(cloth, Cloth)
     filled = replace(load, volume=scene.liquid_volume, datum=None)
     steps = max(10, round(FILLING_STEPS_PER_SECOND * scene.time.settle))
     outcome = settle(cloth, filled, ramp_steps=steps)

@@ -216,6 +216,8 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("model.fluid=openfom", "Did you mean openfoam?"),
         ("openfoam.processors=4", "must be 1, got 4"),
         ("cloth.wrinkling=resolved", 'must be "relaxed", got "resolved"'),
+        ("cloth.grid=square", 'one of "rings", "thesis", got "square"'),
+        ("cloth.grid=thesis", 'needs model.fluid = "datum", got "openfoam"'),
         ("motion.ramp=-1", "must not be negative, got -1"),
         ("motion.file=3", "must be text in quotes, got 3"),
         ("time.duration=0.001", "must be at least time.step (0.005 s), got 0.001"),
@@ -242,6 +244,14 @@ def test_what_a_motion_needs_is_asked_for(folder: Path):
     (folder / "scene.toml").write_text(text)
     (line,) = problems(folder)
     assert 'motion.frequency: is required for kind = "sine"' in line
+
+
+def test_the_thesis_grid_is_even_and_by_default_that_of_the_thesis(folder: Path):
+    wanted = ["cloth.grid=thesis", "model.fluid=datum"]
+    assert load_scene(folder, wanted).cloth.resolution == 26
+    assert load_scene(folder, [*wanted, "cloth.resolution=14"]).cloth.resolution == 14
+    (line,) = problems(folder, *wanted, "cloth.resolution=25")
+    assert 'cloth.resolution: must be even for cloth.grid = "thesis", got 25.' in line
 
 
 def test_a_table_must_cover_the_run(folder: Path):

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from cloth.mesh import hemisphere
+from cloth.thesis.sheet import ThesisSheet
+from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.ports import RunFailed
 from coupling.scene import scene_from
@@ -55,6 +57,34 @@ def test_settles_at_the_level_of_the_spherical_cap():
     crown = state.position[np.linalg.norm(state.position[:, :2], axis=1) < 0.5 * RADIUS, 2]
     # Ten rings: the lying part is cut off by triangles, O(h^2/8R) of its height.
     assert abs(crown.mean() / RADIUS - level) < (np.pi / 20) ** 2 / 2
+
+
+def test_the_thesis_diaphragm_settles_for_the_given_time_at_its_datum():
+    chosen = scene(
+        cloth={"grid": "thesis", "resolution": 6},
+        model={"fluid": "datum"},
+        time={"duration": 0.1, "settle": 0.05, "step": 0.0005},
+    )
+    cloth = diaphragm_of(chosen)
+    assert isinstance(cloth, ThesisSheet)
+    assert cloth.step == 0.0005  # the scene's, where it is shorter than the thesis' 1 ms
+    assert cloth.triangles.shape == (2 * 5 * 5, 3)
+    load = Datum(density=998.0, level=0.4257 * RADIUS).load(GRAVITY)
+    settle_diaphragm(cloth, chosen, load)
+    by_hand = diaphragm_of(chosen)
+    by_hand.begin_step(0.05, load)
+    by_hand.solve(np.zeros_like(by_hand.reference))
+    by_hand.accept_step()
+    np.testing.assert_array_equal(cloth.state.position, by_hand.state.position)
+    assert cloth.state.volume > 0.0005 * chosen.tank.volume  # it has risen from the moulded shape
+    assert cloth.state.datum_pressure == load.datum
+
+
+def test_the_thesis_diaphragm_refuses_a_liquid_of_constant_volume():
+    chosen = scene(cloth={"grid": "thesis", "resolution": 6}, model={"fluid": "datum"})
+    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    with pytest.raises(ValueError, match=r"no volume constraint.*model\.fluid"):
+        settle_diaphragm(diaphragm_of(chosen), chosen, load)
 
 
 def test_held_diaphragm_stays():
