@@ -31,18 +31,38 @@ def substitute(starts: Ints, rows: Ints, values: Array, pivots: Array, work: Arr
 
 
 @compiled
-def low_rank_step(directions: Array, first: Array, second: Array, a: Array, b: Array) -> None:
-    """a -= Z^T Z first and b -= Z^T Z second, in one pass over Z = ``directions`` (r, N)."""
+def substitute_vectors(starts: Ints, rows: Ints, values: Array, pivots: Array, work: Array) -> None:
+    """``substitute`` for ``work`` (n, 3), half as long: its three columns stay in registers."""
+    n = work.shape[0]
+    for j in range(n):
+        a, b, c = work[j, 0], work[j, 1], work[j, 2]
+        for p in range(starts[j], starts[j + 1]):
+            i, value = rows[p], values[p]
+            work[i, 0] -= value * a
+            work[i, 1] -= value * b
+            work[i, 2] -= value * c
+    for j in range(n - 1, -1, -1):
+        scale = 1.0 / pivots[j]
+        a, b, c = scale * work[j, 0], scale * work[j, 1], scale * work[j, 2]
+        for p in range(starts[j], starts[j + 1]):
+            i, value = rows[p], values[p]
+            a -= value * work[i, 0]
+            b -= value * work[i, 1]
+            c -= value * work[i, 2]
+        work[j, 0], work[j, 1], work[j, 2] = a, b, c
+
+
+@compiled
+def low_rank_step(directions: Array, right: Array, solved: Array) -> None:
+    """solved -= Z^T Z right in one pass over Z = ``directions`` (r, N)."""
     size = directions.shape[1]
     for r in range(directions.shape[0]):
         z = directions[r]
-        p, q = 0.0, 0.0
+        p = 0.0
         for i in range(size):
-            p += z[i] * first[i]
-            q += z[i] * second[i]
+            p += z[i] * right[i]
         for i in range(size):
-            a[i] -= p * z[i]
-            b[i] -= q * z[i]
+            solved[i] -= p * z[i]
 
 
 def substitute_blocked(

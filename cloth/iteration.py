@@ -16,12 +16,17 @@ from cloth.load import Load, Settings
 from cloth.model import ClothModel
 
 VOLUME_TOLERANCE = 1e-13
-STRAIN_MARGIN = 0.8  # the first solve aims below the limit, so that its successors stay below too
+RESPONSE_EVERY = 4  # iterations between two of the volume's answers to the datum
+STRAIN_MARGIN = 0.8  # of the limit, from where on a triangle is drawn together
+SWEEPS = 50  # at most
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepProblem:
-    """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate."""
+    """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate.
+
+    ``start`` (n, 3) [m] and ``datum`` [Pa] are where the iteration sets out.
+    """
 
     model: ClothModel
     settings: Settings
@@ -30,6 +35,7 @@ class StepProblem:
     kin: Kinematics
     load: Load
     start: Array
+    datum: float
     tension: Array
     contact_force: Array
     constant_force: Array
@@ -67,12 +73,8 @@ def constant_force(
     b, anchor = kin.b, kin.position_anchor
     inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)
     drag = (settings.drag / b * model.mass)[:, None] * anchor
-    damping = settings.bending_damping / b * (model.bending @ anchor)
-    kernels.bending_rest_step(
-        anchor, model.hinges.nodes, model.hinges.coefficients,
-        -settings.bending_damping / b * model.moment, damping,
-    )  # fmt: skip
-    total = inertial + drag + damping + system.lift(model.mesh.points, model.mesh.fixed)
+    damping = -settings.bending_damping / b * model.bending_force(anchor)
+    total = inertial + drag + damping + system.lift(model.clamped, model.mesh.fixed)
     if rows is not None:
         flat = rows.reshape(len(rows), -1)
         total = total + (flat.T @ (flat @ kin.prediction.ravel())).reshape(-1, 3)
@@ -88,7 +90,7 @@ class Iteration:
         self.problem = p
         self.penalty = model.penalty(p.settings)
         self.weight = model.contact_weight(p.settings, p.kin.b)
-        self.moment = model.moment * (1.0 + p.settings.bending_damping / p.kin.b)
+        self.moment = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
         self.largest_force = float(np.abs(force).max())
         self.force = np.where(model.free[:, None], p.constant_force + force, 0.0)
@@ -97,18 +99,19 @@ class Iteration:
         self.u = p.tension / self.penalty[:, None, None]
         self.zc = np.zeros_like(self.x)
         self.uc = p.contact_force / np.where(self.weight > 0.0, self.weight, 1.0)[:, None]
-        self.direction = np.zeros_like(self.x)
-        self.datum, self.change, self.done = 0.0, 0.0, 0
+        self.response = np.zeros_like(self.x)
+        self.datum = p.datum if p.load.datum is None else p.load.datum
+        self.change, self.done = 0.0, 0
 
     def advance(self) -> None:
         """One iteration."""
-        p, model = self.problem, self.problem.model
+        p, model, bent = self.problem, self.problem.model, self.problem.model.bending
         rhs = self.force.copy()
         gradient, hydrostatic = np.empty_like(rhs), np.empty_like(rhs)
         r = p.settings.relaxation if self.done else 1.0
         kernels.membrane_step(
             self.x, model.triangles, model.gradients, model.areas, self.penalty, r,
-            model.tensile, model.compressive, self.z, self.u, rhs,
+            model.tensile, model.compressive, model.poisson, self.z, self.u, rhs,
         )  # fmt: skip
         kernels.contact_step(self.x, p.limit, self.weight, r, self.zc, self.uc, rhs)
         slope = p.load.density * p.load.body_force
@@ -116,29 +119,34 @@ class Iteration:
             self.x, model.triangles, slope, model.free, gradient, hydrostatic
         )
         rhs += hydrostatic
+        rhs += self.datum * gradient
         kernels.bending_rest_step(
-            self.x, model.hinges.nodes, model.hinges.coefficients, self.moment, rhs
+            gradient, bent.starts, bent.columns, bent.values, self.moment, rhs
         )
         kernels.normal_drag_step(self.x, p.kin.position_anchor, gradient, self.drag, rhs)
-        loose, self.direction = p.system.solve_pair(rhs, gradient)
-        loose[model.mesh.fixed] = model.mesh.points[model.mesh.fixed]
-        self.datum = self._multiplier(model.half_shell + cone, gradient, loose)
-        x = loose + self.datum * self.direction
+        x = p.system.solve(rhs)
+        x[model.mesh.fixed] = model.clamped[model.mesh.fixed]
+        if p.load.volume is not None:
+            x += self._correction(p.load.volume - model.half_shell - float(cone), gradient, x)
         self.change = float(np.sqrt(np.mean((x - self.x) ** 2) * 3.0))
         self.x = x
         self.done += 1
 
-    def _multiplier(self, volume: float, gradient: Array, loose: Array) -> float:
-        """The datum [Pa] that meets the linearised volume, or the one that is given."""
-        target, given = self.problem.load.volume, self.problem.load.datum
-        if target is None:
-            assert given is not None
-            return given
-        missing = target - volume - float(np.sum(gradient * (loose - self.x)))
-        return missing / float(np.sum(gradient * self.direction))
+    def _correction(self, missing: float, gradient: Array, x: Array) -> Array:
+        """What a better datum adds to ``x`` (n, 3) [m], to meet the linearised volume.
+
+        ``missing`` [m^3] at the iterate before. The response S^-1 grad V is of an earlier iterate:
+        it scales a correction that vanishes, and the datum's whole load is in the right-hand side.
+        """
+        if self.done <= 1 or self.done % RESPONSE_EVERY == 0:
+            self.response = self.problem.system.solve(gradient)
+        missing -= float(np.vdot(gradient, x - self.x))
+        correction = missing / float(np.vdot(gradient, self.response))
+        self.datum += correction
+        return correction * self.response
 
     def finish(self) -> Solution:
-        """The iterate inside the shell and with its exact volume.
+        """The iterate inside the shell, with its exact volume, drawn together where too long.
 
         Raises ArithmeticError instead of returning a position that is not finite.
         """
@@ -146,10 +154,13 @@ class Iteration:
         if not math.isfinite(self.change + self.datum):
             raise self._diverged("the position is no longer finite")
         x = self._closed(clamp_to_shell(self.x, p.limit))
-        if not np.all(np.isfinite(x)):
-            raise self._diverged("the position is no longer finite")
         strain = np.empty(len(model.triangles))
         kernels.principal_strains(x, model.triangles, model.gradients, strain)
+        if not model.elastic and strain.max() > STRAIN_MARGIN * p.strain_limit:
+            x = self._closed(self._shortened(x))
+            kernels.principal_strains(x, model.triangles, model.gradients, strain)
+        if not np.all(np.isfinite(x)):
+            raise self._diverged("the position is no longer finite")
         return Solution(
             position=x,
             tension=self.u * self.penalty[:, None, None],
@@ -161,6 +172,19 @@ class Iteration:
             iterations=self.done,
         )
 
+    def _shortened(self, x: Array) -> Array:
+        """``x`` with the few triangles that still exceed the strain limit drawn together."""
+        p, model = self.problem, self.problem.model
+        mobility = np.where(model.free, 1.0 / model.mass, 0.0)
+        for _ in range(SWEEPS):
+            worst = kernels.shorten_step(
+                x, model.triangles, model.gradients, mobility, STRAIN_MARGIN * p.strain_limit
+            )
+            if worst <= 0.1 * p.strain_limit:
+                break
+            x = clamp_to_shell(x, p.limit)
+        return x
+
     def _closed(self, x: Array) -> Array:
         """``x`` moved along the datum's own response, off the shell only, to the exact volume."""
         p, model = self.problem, self.problem.model
@@ -171,7 +195,7 @@ class Iteration:
             if abs(volume - p.load.volume) <= VOLUME_TOLERANCE * p.load.volume:
                 break
             off = np.linalg.norm(x, axis=1) < p.limit * (1.0 - 1e-9)
-            direction = np.where(off[:, None], self.direction, 0.0)
+            direction = np.where(off[:, None], self.response, 0.0)
             slope = float(np.sum(gradient * direction))
             if not slope > 0.0:
                 raise self._diverged("the volume no longer answers to the pressure")
@@ -193,14 +217,11 @@ def iterate(problem: StepProblem, force: Array, count: int | None) -> Solution:
     Raises ArithmeticError when the iteration diverges.
     """
     settings, run = problem.settings, Iteration(problem, force)
-    least = settings.iterations if count is None else count
-    for _ in range(least):
+    for _ in range(settings.iterations if count is None else count):
         run.advance()
     solution = run.finish()
-    if count is not None:
-        return solution
-    target = STRAIN_MARGIN * problem.strain_limit
-    while solution.strain.max() > target and run.done < settings.iterations_max:
+    limit = np.inf if problem.model.elastic else problem.strain_limit
+    while count is None and run.done < settings.iterations_max and solution.strain.max() > limit:
         run.advance()
         solution = run.finish()
     return solution

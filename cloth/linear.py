@@ -8,7 +8,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.factors import low_rank_step, substitute, substitute_blocked
+from cloth.factors import low_rank_step, substitute_blocked, substitute_vectors
 
 
 def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) -> sp.csc_matrix:
@@ -76,18 +76,13 @@ class System:
             sl.solve_triangular(lower, y, lower=True, check_finite=False)
         )
 
-    def solve_pair(self, first: Array, second: Array) -> tuple[Array, Array]:
-        """A^-1 first and A^-1 second, both (n, 3); zero on the fixed nodes."""
-        work = np.concatenate([first[self._order], second[self._order]], axis=1)
-        a = np.ascontiguousarray(work[:, :3]).ravel()
-        b = np.ascontiguousarray(work[:, 3:]).ravel()
-        substitute(self._starts, self._rows, self._values, self._pivots, work)
-        p = np.ascontiguousarray(work[:, :3]).ravel()
-        q = np.ascontiguousarray(work[:, 3:]).ravel()
+    def solve(self, right: Array) -> Array:
+        """A^-1 ``right`` (n, 3); zero on the fixed nodes."""
+        work = right[self._order]
+        before = work.ravel().copy() if self._directions is not None else work
+        substitute_vectors(self._starts, self._rows, self._values, self._pivots, work)
         if self._directions is not None:
-            low_rank_step(self._directions, a, b, p, q)
+            low_rank_step(self._directions, before, work.reshape(-1))
         x = np.zeros((self.count, 3))
-        y = np.zeros((self.count, 3))
-        x[self._order] = p.reshape(-1, 3)
-        y[self._order] = q.reshape(-1, 3)
-        return x, y
+        x[self._order] = work
+        return x

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from cloth.arrays import Array
+
 
 @dataclass(frozen=True, kw_only=True)
 class Elastomer:
@@ -38,9 +42,9 @@ ELASTOMERS: dict[str, Elastomer] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Diaphragm:
-    """A rubber sheet of constant thickness.
+    """A rubber sheet, ``thickness`` [m] thick unless a mesh says otherwise, triangle by triangle.
 
-    ``density`` [kg/m^3], ``thickness`` [m], ``youngs_modulus`` [Pa], ``poisson_ratio`` [-].
+    ``density`` [kg/m^3], ``youngs_modulus`` [Pa] (0: no bending stiffness), ``poisson_ratio`` [-].
     """
 
     density: float
@@ -49,10 +53,14 @@ class Diaphragm:
     poisson_ratio: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("density", "thickness", "youngs_modulus"):
+        for name in ("density", "thickness"):
             value = getattr(self, name)
             if not value > 0.0:
                 raise ValueError(f"diaphragm.{name}: must be positive, got {value}.")
+        if not self.youngs_modulus >= 0.0:
+            raise ValueError(
+                f"diaphragm.youngs_modulus: must not be negative, got {self.youngs_modulus}."
+            )
         if not 0.0 <= self.poisson_ratio <= 0.5:
             raise ValueError(
                 f"diaphragm.poisson_ratio: must lie in [0, 0.5], got {self.poisson_ratio}."
@@ -66,7 +74,11 @@ class Diaphragm:
     @property
     def bending_stiffness(self) -> float:
         """kappa = E t^3 / (12 (1 - nu^2)) [N m], the thin plate's."""
-        return self.youngs_modulus * self.thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
+        return float(self.bending_stiffness_at(np.array(self.thickness)))
+
+    def bending_stiffness_at(self, thickness: Array) -> Array:
+        """The same where the sheet is ``thickness`` [m] thick, of any shape."""
+        return self.youngs_modulus * thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
 
     @property
     def membrane_stiffness(self) -> float:

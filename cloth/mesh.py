@@ -15,6 +15,7 @@ class Mesh:
 
     ``points`` (n, 3) [m]; ``triangles`` (m, 3), counter-clockwise seen from the gas; ``fixed``
     (n,) clamped nodes; ``rim_distance`` (n,) [m] along the moulded shape to the rim.
+    Neither manifoldness nor orientation is checked.
     """
 
     points: Array
@@ -106,27 +107,16 @@ def rest_gradients(points: Array, triangles: Ints) -> tuple[Array, Array]:
     return np.stack([-g1 - g2, g1, g2], axis=1), 0.5 * length * across
 
 
-def node_areas(mesh: Mesh) -> Array:
-    """A third of every adjoining triangle's moulded area, (n,) [m^2]."""
+def lumped(mesh: Mesh, per_area: Array | float = 1.0) -> Array:
+    """A third of every adjoining triangle's moulded area times ``per_area`` (m,), summed: (n,)."""
     _, areas = rest_gradients(mesh.points, mesh.triangles)
     result = np.zeros(len(mesh.points))
-    np.add.at(result, mesh.triangles.ravel(), np.repeat(areas / 3.0, 3))
+    np.add.at(result, mesh.triangles.ravel(), np.repeat(areas * per_area / 3.0, 3))
     return result
 
 
-def interior_edges(triangles: Ints) -> Ints:
-    """Edges shared by two triangles, (e, 4): start, end, and the two nodes opposite.
-
-    The first opposite node's triangle runs start -> end, so that with outward triangles the
-    normal of (start, end, first) points outward too. Manifoldness is not checked.
-    """
-    found: dict[tuple[int, int], int] = {}
-    rows: list[tuple[int, int, int, int]] = []
-    for a, b, c in triangles.tolist():
-        for i, j, k in ((a, b, c), (b, c, a), (c, a, b)):
-            other = found.get((j, i))
-            if other is None:
-                found[(i, j)] = k
-            else:
-                rows.append((j, i, other, k))
-    return np.array(rows, dtype=np.int64)
+def border_nodes(triangles: Ints) -> Ints:
+    """Nodes on edges of one triangle only, sorted; none where the sheet is closed."""
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    pairs, count = np.unique(edges, axis=0, return_counts=True)
+    return np.unique(pairs[count == 1])

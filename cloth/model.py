@@ -8,18 +8,19 @@ import numpy as np
 
 from cloth import kernels
 from cloth.arrays import Array
-from cloth.bending import bending_matrix, build_hinges
+from cloth.bending import bending_of
 from cloth.linear import System, stretch_matrix
 from cloth.load import Settings
 from cloth.material import Diaphragm
-from cloth.mesh import Mesh, node_areas, rest_gradients
+from cloth.mesh import Mesh, lumped, rest_gradients
 
 
 class ClothModel:
-    """Mesh, mass, stretch and bending of a diaphragm in its shell.
+    """Mesh, mass, stretch and bending of a sheet, and the shell around it, if any.
 
-    ``tensile`` [N/m]: E t of an elastic sheet, or -1 for an inextensible one; ``compressive``
-    [N/m] as in ``cloth.reference.softened``; ``mass`` (n,) [kg], lumped.
+    ``mass`` (n,) [kg], lumped; ``tensile`` (m,) [N/m]: E t of an elastic sheet, -1 where
+    inextensible; ``compressive`` (m,) [N/m]; ``size`` [m], half the mesh's largest extent;
+    ``clamped`` (n, 3) [m], where fixed nodes are held.
     """
 
     def __init__(
@@ -27,24 +28,42 @@ class ClothModel:
         *,
         mesh: Mesh,
         diaphragm: Diaphragm,
-        shell_radius: float,
+        thickness: Array | None,
+        clamped: Array,
+        shell_radius: float | None,
         clearance: float,
         elastic: bool,
-        compressive: float,
+        compressive_stiffness: float | None,
     ) -> None:
-        self.mesh, self.shell_radius, self.clearance = mesh, shell_radius, clearance
+        self.mesh, self.clamped = mesh, clamped
+        self.shell_radius, self.clearance = shell_radius, clearance
         self.triangles, self.free = mesh.triangles, ~mesh.fixed
+        self.size = 0.5 * float(np.ptp(mesh.points, axis=0).max())
         self.gradients, self.areas = rest_gradients(mesh.points, mesh.triangles)
-        self.mass = diaphragm.area_density * node_areas(mesh)
-        self.tensile = diaphragm.membrane_stiffness if elastic else -1.0
-        self.compressive = compressive
-        self.hinges = build_hinges(mesh, diaphragm.bending_stiffness)
-        self.moment = self.hinges.weight * self.hinges.curvature
-        self.bending = bending_matrix(self.hinges, len(mesh.points))
-        self.half_shell = 2.0 / 3.0 * math.pi * shell_radius**3
+        if thickness is None:
+            thickness = np.full(len(self.areas), diaphragm.thickness)
+        area = lumped(mesh)
+        self.mass = lumped(mesh, diaphragm.density * thickness)
+        self.poisson = diaphragm.poisson_ratio
+        stiffness = diaphragm.youngs_modulus * thickness
+        self.elastic = elastic
+        self.tensile = stiffness if elastic else np.full_like(stiffness, -1.0)
+        self.compressive = (
+            stiffness
+            if compressive_stiffness is None
+            else np.full_like(stiffness, compressive_stiffness)
+        )
+        self.bending = bending_of(
+            mesh, lumped(mesh, diaphragm.bending_stiffness_at(thickness)) / area
+        )
+        base = 0.0 if shell_radius is None else 2.0 / 3.0 * math.pi * shell_radius**3
+        self.half_shell = base
 
     def volume(self, position: Array) -> float:
-        """Liquid volume [m^3] below the cloth at ``position``: half the shell plus the cone."""
+        """Liquid volume [m^3] below the cloth at ``position``: half the shell plus the cone.
+
+        Without a shell the cone alone: what a closed sheet encloses.
+        """
         return self.volume_and_gradient(position)[0]
 
     def volume_and_gradient(self, position: Array) -> tuple[float, Array]:
@@ -57,11 +76,23 @@ class ClothModel:
 
     def contact_weight(self, settings: Settings, b: float) -> Array:
         """Penalty of the shell (n,) [N/m], none on the fixed nodes."""
+        if self.shell_radius is None:
+            return np.zeros(len(self.mass))
         return np.where(self.free, settings.contact_weight * self.mass / b**2, 0.0)
 
     def penalty(self, settings: Settings) -> Array:
         """Penalty of the strain limit (m,) [N/m]."""
         return np.full(len(self.triangles), settings.penalty)
+
+    def bending_force(self, position: Array) -> Array:
+        """-dE/dx (n, 3) [N] of the bending energy, the turning of the normals left out."""
+        _, gradient = self.volume_and_gradient(position)
+        force = np.asarray(-(self.bending.matrix @ position))
+        bent = self.bending
+        kernels.bending_rest_step(
+            gradient, bent.starts, bent.columns, bent.values, bent.moment, force
+        )
+        return force
 
     def system(self, settings: Settings, b: float) -> System:
         """S = M (1 + alpha b)/b^2 + k L + Q (1 + tau_b/b) + w_c, factorised."""
@@ -70,6 +101,6 @@ class ClothModel:
         matrix = stretch_matrix(
             self.triangles, self.gradients, self.penalty(settings) * self.areas, size
         )
-        matrix = matrix + self.bending * (1.0 + settings.bending_damping / b)
+        matrix = matrix + self.bending.matrix * (1.0 + settings.bending_damping / b)
         matrix.setdiag(matrix.diagonal() + diagonal)
         return System(matrix, self.free)

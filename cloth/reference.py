@@ -3,25 +3,41 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse as sp
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.bending import hinge_normals
 
 
-def softened(stretch: Array, penalty: Array, tensile: float, compressive: float) -> Array:
-    """Principal stretches sigma' after the projection.
+def limited(
+    first: Array,
+    second: Array,
+    penalty: Array,
+    tensile: Array,
+    compressive: Array,
+    poisson: float,
+) -> tuple[Array, Array]:
+    """The sheet's own principal stretches for those asked for, ``first`` >= ``second``.
 
-    sigma' = (k sigma + K)/(k + K) minimises k (sigma' - sigma)^2 + K (sigma' - 1)^2: ``penalty``
-    k [N/m] and the sheet's own stiffness K [N/m], ``tensile`` above 1 (negative: inextensible,
-    sigma' = 1) and ``compressive`` below (0: free to wrinkle, sigma' = sigma).
+    Minimises k/2 |sigma' - sigma|^2 + W(sigma'), ``penalty`` k [N/m]. W of an inextensible sheet
+    (``tensile`` below 0): sigma' <= 1, and ``compressive`` K [N/m] resists shortening,
+    K/2 (sigma' - 1)^2 (0: free to wrinkle). W of an elastic one, T = E t = ``tensile`` [N/m]: the
+    plane-stress energy T/(2 (1 - nu^2)) (e1^2 + e2^2 + 2 nu e1 e2) of e = sigma' - 1 where it
+    pulls both ways; T/2 e1^2 where it pulls one way (tension field: Pipkin 1986), across which K
+    holds the natural width; where K >= T the first form holds for compression too.
     """
-    soft = (penalty * stretch + compressive) / (penalty + compressive)
-    taut = (
-        np.ones_like(stretch)
-        if tensile < 0.0
-        else (penalty * stretch + tensile) / (penalty + tensile)
-    )
-    return np.where(stretch > 1.0, taut, soft)
+    soft = 1.0 / (penalty + compressive)
+    short = [np.minimum(1.0, (penalty * s + compressive) * soft) for s in (first, second)]
+    e, f, t = first - 1.0, second - 1.0, np.maximum(tensile, 0.0)
+    both = penalty * (e + f) / (penalty + t / (1.0 - poisson))
+    apart = penalty * (e - f) / (penalty + t / (1.0 + poisson))
+    pull = penalty * e / (penalty + t)
+    two = (compressive >= tensile) | (f >= 0.5 * (both - apart))
+    one = e > 0.0
+    a = np.where(two, 0.5 * (both + apart), np.where(one, pull, penalty * e * soft))
+    narrowing = np.where(one, compressive * poisson * pull, 0.0)
+    b = np.where(two, 0.5 * (both - apart), (penalty * f - narrowing) * soft)
+    rigid = tensile < 0.0
+    return np.where(rigid, short[0], 1.0 + a), np.where(rigid, short[1], 1.0 + b)
 
 
 def membrane_step(
@@ -31,21 +47,24 @@ def membrane_step(
     areas: Array,
     penalty: Array,
     relaxation: float,
-    tensile: float,
-    compressive: float,
+    tensile: Array,
+    compressive: Array,
+    poisson: float,
     z: Array,
     u: Array,
     rhs: Array,
 ) -> None:
     """Project every triangle's stretch and add its pull to ``rhs`` (n, 3) [N].
 
-    y = r F(x) + (1 - r) z + u; z = y with its singular values softened; u = y - z. ``z`` and
+    y = r F(x) + (1 - r) z + u; z = y with its singular values ``limited``; u = y - z. ``z`` and
     ``u`` (m, 3, 2) [-] are changed; the tension is k u [N/m]. rhs += sum_t k A (z - u) g^T.
     """
     stretch = np.einsum("tid,tie->tde", x[triangles], gradients)
     y = relaxation * stretch + (1.0 - relaxation) * z + u
     left, sigma, right = np.linalg.svd(y, full_matrices=False)
-    new = softened(sigma, penalty[:, None], tensile, compressive)
+    new = np.stack(
+        limited(sigma[:, 0], sigma[:, 1], penalty, tensile, compressive, poisson), axis=1
+    )
     z[:] = left * new[:, None, :] @ right
     u[:] = y - z
     pull = (penalty * areas)[:, None, None] * np.einsum("tde,tie->tid", z - u, gradients)
@@ -99,16 +118,18 @@ def volume_and_loads(
 
 
 def bending_rest_step(
-    x: Array, nodes: Ints, coefficients: Array, moment: Array, rhs: Array
+    gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
 ) -> None:
     """Add the moulded curvature's part of the bending force to ``rhs`` (n, 3) [N].
 
-    ``moment`` (e,) [N] is weight times curvature; the hinge normal is taken at ``x`` and its own
-    derivative left out. The other part, -Q x, stands in the matrix.
+    ``starts``, ``columns``, ``values``: rows of K as in ``cloth.bending.Bending``; ``moment`` (n,)
+    [N]; the normal is that of the volume's ``gradient`` (n, 3), and its own derivative is left
+    out. The other part, -Q x, stands in the matrix.
     """
-    normals = hinge_normals(x, nodes)
-    pull = (moment[:, None] * coefficients)[:, :, None] * normals[:, None, :]
-    np.add.at(rhs, nodes, pull)
+    size = np.linalg.norm(gradient, axis=1)
+    normals = gradient / np.where(size > 0.0, size, 1.0)[:, None]
+    rows = sp.csr_matrix((values, columns, starts), shape=(len(moment), len(moment)))
+    rhs += np.asarray(rows.T @ (moment[:, None] * normals))
 
 
 def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs: Array) -> None:
@@ -120,3 +141,25 @@ def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs:
     normal = gradient[on] / np.linalg.norm(gradient[on], axis=1)[:, None]
     along = np.einsum("id,id->i", normal, x[on] - anchor[on])
     rhs[on] += (drag[on] * along)[:, None] * normal
+
+
+def shorten_step(
+    x: Array, triangles: Ints, gradients: Array, mobility: Array, limit: float
+) -> float:
+    """One Gauss-Seidel sweep that takes back what a triangle is stretched above ``limit``.
+
+    Where the larger principal stretch s exceeds 1 + ``limit``, along the direction d in the moulded
+    plane, C = |F d| = s has the gradients (g_i . d) F d / s with respect to x_i: the corners move
+    along them, in proportion to ``mobility`` (n,) [1/kg] (0: held), until C = 1 + limit to first
+    order (Mueller et al. 2007). Changes ``x`` (n, 3) [m]; returns the largest excess met.
+    """
+    worst = 0.0
+    for corner, g in zip(triangles, gradients, strict=True):
+        left, sigma, right = np.linalg.svd(x[corner].T @ g, full_matrices=False)
+        excess = sigma[0] - 1.0 - limit
+        worst = max(worst, excess)
+        along = g @ right[0]
+        ease = float(mobility[corner] @ along**2)
+        if excess > 0.0 and ease > 0.0:
+            x[corner] -= excess / ease * (mobility[corner] * along)[:, None] * left[:, 0]
+    return worst

@@ -106,11 +106,12 @@ def settle(
     Implicit Euler steps of ``dt`` [s] that forget their velocity, with the dry settings, but more
     iterations and bending damping; neither moves the equilibrium. The volume goes from where it
     is to ``load.volume`` as a smooth ramp over ``ramp_steps`` (none with a given datum). Then
-    steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` shell
-    radii: the rms displacement of a step alone, or a fifth of it with the extrapolation if that is
-    more, motion along the surface counted half. So slack cloth may still creep tangentially by
-    two tolerances a step. After 500 steps the tolerance grows with the steps, threefold at 1500:
-    what is left is the slow creep of a slack coarse sheet, most of all with a ``clearance``.
+    steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` times
+    half the mesh's extent (the radius, of a hemisphere): the rms displacement of a step alone, or
+    a fifth of it with the extrapolation if that is more, motion along the surface counted half. So
+    slack cloth may still creep tangentially by two tolerances a step. After 500 steps the
+    tolerance grows with the steps, threefold at 1500: what is left is the slow creep of a slack
+    coarse sheet, most of all with a ``clearance``.
     A wrinkled or slack sheet has many equilibria; the one found depends on the path.
     """
     if cloth.held:
@@ -119,7 +120,7 @@ def settle(
     damping = max(BENDING_DAMPING, cloth.dry.bending_damping)
     ramping = replace(cloth.dry, bending_damping=damping)
     seeking = replace(ramping, iterations=max(ITERATIONS, ramping.iterations))
-    limit = tolerance * cloth.model.shell_radius
+    limit = tolerance * cloth.model.size
     momentum, change, quiet = _Momentum(), np.inf, 0
     cloth.halt()
     old = cloth.save()

@@ -19,7 +19,7 @@ from cloth.state import ClothState, Memory
 
 
 class Cloth:
-    """An inextensible (or elastic) sheet clamped at the rim of a rigid spherical shell.
+    """An inextensible (or elastic) sheet, free, clamped, or in a rigid spherical shell.
 
     min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t I(sigma_max <= 1) + bending + sum I(|x| <= R)
     minus the work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2.
@@ -32,38 +32,43 @@ class Cloth:
         *,
         mesh: Mesh,
         diaphragm: Diaphragm,
-        shell_radius: float,
+        shell_radius: float | None = None,
+        thickness: Array | None = None,
+        position: Array | None = None,
         strain_limit: float = 0.01,
-        compressive_stiffness: float = 10.0,
+        compressive_stiffness: float | None = 10.0,
         elastic: bool = False,
         clearance: float = 0.0,
         dry: Settings = DRY,
         wet: Settings = WET,
         held: bool = False,
     ) -> None:
-        """Moulded and at rest.
+        """At rest as moulded, or at ``position`` (n, 3) [m], where fixed nodes are then held.
 
-        ``shell_radius``, ``clearance`` [m] (see ``shell_limits``); ``strain_limit`` [-] above
-        which iterations are added; ``elastic``: E t resists tension instead of inextensibility;
-        ``compressive_stiffness`` [N/m] keeps slack triangles in shape: 10 N/m at 10 % of
-        compression and a radius of 0.44 m is 2.3 Pa, 0.2 mm of water. ``dry`` and ``wet``:
-        settings without and with added mass. ``held``: no node ever moves.
+        ``shell_radius`` [m], None for no shell (the volume is then the cone's alone);
+        ``clearance`` [m], see ``shell_limits``; ``thickness`` (m,) [m] of every triangle instead
+        of the diaphragm's; ``strain_limit`` [-] above which iterations are added; ``elastic``:
+        E t resists tension instead of inextensibility. ``compressive_stiffness`` [N/m] keeps
+        slack triangles in shape: 10 N/m at 10 % of compression and a radius of 0.44 m is 2.3 Pa,
+        0.2 mm of water; None is the sheet's own E t, for grids that resolve its wrinkles.
+        ``dry`` and ``wet``: settings without and with added mass. ``held``: no node ever moves.
         """
+        position = mesh.points if position is None else position
         self.reference, self.triangles, self.fixed = mesh.points, mesh.triangles, mesh.fixed
         self.held, self.strain_limit = held, strain_limit
         self.model = ClothModel(
             mesh=mesh,
             diaphragm=diaphragm,
+            thickness=thickness,
+            clamped=position,
             shell_radius=shell_radius,
             clearance=clearance,
             elastic=elastic,
-            compressive=compressive_stiffness,
+            compressive_stiffness=compressive_stiffness,
         )
         self.mass = self.model.mass
         self.dry, self.wet = dry, wet
-        self._memory = Memory.at_rest(
-            mesh.points, len(mesh.triangles), self.model.volume(mesh.points)
-        )
+        self._memory = Memory.at_rest(position, len(mesh.triangles), self.model.volume(position))
         self._systems: dict[tuple[float, Settings], System] = {}
         self._dt = 0.0
         self._kin: Kinematics | None = None
@@ -109,6 +114,7 @@ class Cloth:
             kin=kin,
             load=load,
             start=m.position + dt * m.velocity,
+            datum=float(m.datum[0]),
             tension=m.tension,
             contact_force=m.contact_force,
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
