@@ -47,7 +47,7 @@ def constants(grid: ThesisGrid, diaphragm: Diaphragm, *, radius: float, strain: 
     opposite rim, is as long as the tank is wide, and its k nearly zero.
 
     Kept, erratum 7: the allowed error sums the moulded lengths of the pairs that wrap round the
-    grid as well, 1.9 times those that exist, and the mean of |error| that it limits says nothing
+    grid as well (1.87 times those that exist), and the mean of |error| that it limits says nothing
     of the largest: 1 % allowed lets single triangles stretch by tens of per cent.
 
     Repaired: ``MFF(:, 1:joff)`` for a negative joff (appendix C) is never reached.

@@ -119,6 +119,8 @@ def move_freely(
     Kept, erratum 6: the moulded lengths of the two directions are swapped in the bending beams
     (next to the far edges a wrapped one is taken), and the critical damping of the bending
     multiplies the node's total velocity. Kept, erratum 8: see ``advance``.
+
+    Read: the listing adds two calls of four results each, which MATLAB cannot; result by result.
     """
     normals = unit_normals(x)
     pressure = node_areas(x) * (datum + density * x @ body)
@@ -140,11 +142,13 @@ def advance(
     (2,) [Pa], body (2, 3) [m/s^2]. Sweeps are -1 when a projection finds no end.
 
     Kept, erratum 4: nothing holds the liquid's volume. Kept, erratum 8: ten sweeps a step draw the
-    beams over three nodes back to their moulded length, whatever dt: a stiffness that grows as
-    1/dt^2 at first, and as 1/dt once a node has its terminal velocity, force over damping. The
-    state converges neither in dt nor in the grid. Kept, erratum 9: the projection moves nodes but
-    never corrects ``v``, which is left with what pressure and damping made of it: nodes at rest
-    have metres per second, and the kinetic energy is a phantom.
+    beams over three nodes back to their moulded length, whatever dt. That is a stiffness that
+    grows as 1/dt, since nodes in balance keep their terminal velocity, force over damping; it
+    would be 1/dt^2 without damping. The state converges neither in dt nor in the grid.
+
+    Kept, erratum 9: the projection moves nodes but never corrects ``v``, which is left with what
+    pressure and damping made of it: nodes at rest have metres per second, and the kinetic energy
+    is a phantom.
     """
     error, total = 0.0, 0
     for step in range(1, steps + 1):

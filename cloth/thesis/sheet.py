@@ -42,14 +42,15 @@ class ThesisSheet:
     ) -> None:
         """Moulded and at rest.
 
-        ``shell_radius`` [m]; ``strain`` [-] the thesis' allowable strain, over 1.9 the mean that
-        its projections leave; ``step`` [s] of its own, as many of which as needed make a step;
-        ``held``: no node ever moves.
+        ``shell_radius`` [m]; ``strain`` [-] the thesis' allowable strain, of which its projections
+        leave up to 1.87 times as a mean; ``step`` [s] of its own, as many of which as needed make
+        a step; ``held``: no node ever moves.
         """
         self.reference, self.triangles, self.fixed = grid.points, grid.triangles, grid.fixed
         self.held, self.step = held, step
         self.constants: Constants = constants(grid, diaphragm, radius=shell_radius, strain=strain)
         self.mass = self.constants.mass.ravel()
+        self.thickness = np.full(len(grid.triangles), diaphragm.thickness)
         self._shape = (grid.size, grid.size, 3)
         self._half_shell = 2.0 / 3.0 * math.pi * shell_radius**3
         self._gradients, _ = rest_gradients(grid.points, grid.triangles)
@@ -164,7 +165,8 @@ class ThesisSheet:
         """The committed state; ``change`` is the mean length error of a pair that is left [m].
 
         The strain is that of the triangles, in whatever direction it is largest; the thesis'
-        own, along the pairs, is smaller. The volume counts to the equator.
+        own, along the pairs, is smaller. Tension and slips are 0: it knows none. The volume counts
+        to the equator.
         """
         m = self._memory
         return ClothState(
@@ -173,6 +175,9 @@ class ThesisSheet:
             datum_pressure=float(m["datum"][0]),
             volume=float(m["volume"][0]),
             strain=m["strain"].copy(),
+            tension=np.zeros_like(m["strain"]),
+            shell_slip=np.zeros(len(self.mass)),
+            self_slip=np.zeros(len(self.mass)),
             change=float(m["change"][0]),
         )
 
