@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cloth.arrays import Array
+from cloth.arrays import Array, Bools
 from cloth.mesh import Mesh
 
 WEDGE = math.tan(math.radians(15.0))
@@ -28,6 +28,18 @@ def shell_limits(mesh: Mesh, position: Array, radius: float | None, clearance: f
         return np.full(len(position), radius)
     depth = np.minimum(mesh.rim_distance, np.maximum(-position[:, 2], 0.0))
     return np.asarray(radius - np.minimum(clearance, WEDGE * depth))
+
+
+def slid(start: Array, end: Array, pressed: Bools) -> Array:
+    """Way (n,) [m] along the shell from ``start`` to ``end`` (n, 3) of the nodes ``pressed`` on it.
+
+    Of a straight motion: its part across the radius of its middle.
+    """
+    middle = 0.5 * (start + end)
+    radius = np.maximum(np.linalg.norm(middle, axis=1), 1e-30)[:, None]
+    move = end - start
+    outward = np.sum(move * middle / radius, axis=1)[:, None] * middle / radius
+    return np.where(pressed, np.linalg.norm(move - outward, axis=1), 0.0)
 
 
 def clamp_to_shell(position: Array, limit: Array) -> Array:

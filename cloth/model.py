@@ -18,9 +18,9 @@ from cloth.mesh import Mesh, lumped, rest_gradients
 class ClothModel:
     """Mesh, mass, stretch and bending of a sheet, and the shell around it, if any.
 
-    ``mass`` (n,) [kg], lumped; ``tensile`` (m,) [N/m]: E t of an elastic sheet, -1 where
-    inextensible; ``compressive`` (m,) [N/m]; ``size`` [m], half the mesh's largest extent;
-    ``clamped`` (n, 3) [m], where fixed nodes are held.
+    ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` (m,) [N/m]: E t of an elastic
+    sheet, -1 where inextensible; ``compressive`` (m,) [N/m]; ``size`` [m], half the mesh's largest
+    extent; ``clamped`` (n, 3) [m], where fixed nodes are held.
     """
 
     def __init__(
@@ -42,6 +42,7 @@ class ClothModel:
         self.gradients, self.areas = rest_gradients(mesh.points, mesh.triangles)
         if thickness is None:
             thickness = np.full(len(self.areas), diaphragm.thickness)
+        self.thickness = thickness
         area = lumped(mesh)
         self.mass = lumped(mesh, diaphragm.density * thickness)
         self.poisson = diaphragm.poisson_ratio

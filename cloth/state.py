@@ -15,8 +15,10 @@ class ClothState:
     """Where the diaphragm stands after a step (arrays are copies).
 
     ``position``, ``velocity`` (n, 3) [m, m/s]; ``datum_pressure`` [Pa]; ``volume`` of the liquid
-    [m^3]; ``strain`` (m,), the largest principal tensile strain of every triangle;
-    ``change``: the last inner iteration's rms displacement [m], the solver's own error.
+    [m^3]; ``strain`` and ``tension`` (m,) [-, N/m], the largest principal ones of every triangle;
+    ``shell_slip``, ``self_slip`` (n,) [m]: how far a node has slid so far, pressed on the shell
+    and on another part of the sheet; ``change``: the last inner iteration's rms displacement [m],
+    the solver's own error.
     """
 
     position: Array
@@ -24,7 +26,19 @@ class ClothState:
     datum_pressure: float
     volume: float
     strain: Array
+    tension: Array
+    shell_slip: Array
+    self_slip: Array
     change: float
+
+
+def principal_tension(tension: Array) -> Array:
+    """Larger singular value (m,) of every ``tension`` (m, 3, 2), in its unit."""
+    first, second = tension[:, :, 0], tension[:, :, 1]
+    a = np.einsum("td,td->t", first, first)
+    b = np.einsum("td,td->t", first, second)
+    c = np.einsum("td,td->t", second, second)
+    return np.asarray(np.sqrt(0.5 * (a + c) + np.hypot(0.5 * (a - c), b)))
 
 
 @dataclass(kw_only=True)
@@ -34,7 +48,8 @@ class Memory:
     ``position``, ``velocity`` and their ``previous_`` values (n, 3); ``previous_dt`` [s], 0 when
     there is no previous step; ``tension`` (m, 3, 2) [N/m], the strain limit's dual in physical
     units; ``contact_force`` (n, 3) [N], the shell's; ``datum`` [Pa]; ``volume`` [m^3];
-    ``strain`` (m,); ``change`` [m]. Scalars are arrays of shape (1,).
+    ``strain`` (m,); ``change`` [m]; ``shell_slip``, ``self_slip`` (n,) [m]. Scalars are arrays of
+    shape (1,).
     """
 
     position: Array
@@ -48,6 +63,8 @@ class Memory:
     volume: Array
     strain: Array
     change: Array
+    shell_slip: Array
+    self_slip: Array
 
     @classmethod
     def at_rest(cls, position: Array, triangles: int, volume: float) -> Memory:
@@ -65,6 +82,8 @@ class Memory:
             volume=np.array([volume]),
             strain=np.zeros(triangles),
             change=np.zeros(1),
+            shell_slip=np.zeros(len(position)),
+            self_slip=np.zeros(len(position)),
         )
 
     def save(self) -> dict[str, Array]:

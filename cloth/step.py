@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.contact import shell_limits
+from cloth.contact import shell_limits, slid
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
@@ -15,7 +15,7 @@ from cloth.load import DRY, WET, Load, Settings
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
-from cloth.state import ClothState, Memory
+from cloth.state import ClothState, Memory, principal_tension
 
 
 class Cloth:
@@ -24,7 +24,7 @@ class Cloth:
     min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t I(sigma_max <= 1) + bending + sum I(|x| <= R)
     minus the work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2.
     ``reference`` (n, 3) [m], ``triangles`` (m, 3), ``fixed`` (n,) are the mesh's; ``mass`` (n,)
-    [kg]. Self-contact is not modelled.
+    [kg]; ``thickness`` (m,) [m]. Self-contact is not modelled.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Cloth:
             elastic=elastic,
             compressive_stiffness=compressive_stiffness,
         )
-        self.mass = self.model.mass
+        self.mass, self.thickness = self.model.mass, self.model.thickness
         self.dry, self.wet = dry, wet
         self._memory = Memory.at_rest(position, len(mesh.triangles), self.model.volume(position))
         self._systems: dict[tuple[float, Settings], System] = {}
@@ -174,6 +174,7 @@ class Cloth:
             return
         if s is None:
             raise RuntimeError("cloth: accept_step needs a solve first.")
+        pressed = np.any(m.contact_force, axis=1) & np.any(s.contact_force, axis=1)
         self._memory = Memory(
             position=s.position,
             velocity=kin.velocity(s.position),
@@ -186,12 +187,15 @@ class Cloth:
             volume=np.array([s.volume]),
             strain=s.strain,
             change=np.array([s.change]),
+            shell_slip=m.shell_slip + slid(m.position, s.position, pressed),
+            self_slip=m.self_slip,
         )
         self._kin = None
 
     def halt(self) -> None:
-        """Bring the committed state to rest where it is: no velocity, no history."""
+        """Bring the committed state to rest where it is: no velocity, no history, no wear yet."""
         m = self._memory
+        m.shell_slip, m.self_slip = np.zeros_like(m.shell_slip), np.zeros_like(m.self_slip)
         still = np.zeros_like(m.velocity)
         m.velocity, m.previous_velocity = still, still
         m.previous_position, m.previous_dt = m.position, np.zeros(1)
@@ -206,6 +210,9 @@ class Cloth:
             datum_pressure=float(m.datum[0]),
             volume=float(m.volume[0]),
             strain=m.strain.copy(),
+            tension=principal_tension(m.tension),
+            shell_slip=m.shell_slip.copy(),
+            self_slip=m.self_slip.copy(),
             change=float(m.change[0]),
         )
 

@@ -61,6 +61,22 @@ class StructureState(Protocol):
         """Largest principal tensile strain of every triangle (m,)."""
 
 
+class DiaphragmState(StructureState, Protocol):
+    """The same of a rubber sheet, which tears and wears."""
+
+    @property
+    def tension(self) -> Array:
+        """Largest principal tension of every triangle (m,) [N/m]."""
+
+    @property
+    def shell_slip(self) -> Array:
+        """Way that every node has slid on the shell so far (n,) [m]."""
+
+    @property
+    def self_slip(self) -> Array:
+        """Way that every node has slid on another part of the sheet so far (n,) [m]."""
+
+
 class Structure(Protocol):
     """The diaphragm, able to repeat a step from the same start."""
 
@@ -183,7 +199,8 @@ class Sample:
 
     Shapes: ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``, ``moment``
     (3,); ``position`` (n, 3); ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and
-    p* with its mean removed; ``strain`` (m,). ``force`` [N] and ``moment`` [N m] act on tank and
+    p* with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
+    ``self_slip`` (n,) [m]. ``force`` [N] and ``moment`` [N m] act on tank and
     diaphragm, about the tank's centre. ``metrics``: further scalars by name (``speed_max``,
     ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample of a run.
     """
@@ -195,6 +212,9 @@ class Sample:
     pressure: Array
     dynamic_pressure: Array
     strain: Array
+    tension: Array
+    shell_slip: Array
+    self_slip: Array
     volume: float
     datum_pressure: float
     liquid_cg: Array
@@ -219,6 +239,8 @@ class RunStatistics:
         default_factory=lambda: {"structure": 0.0, "fluid": 0.0, "mapping": 0.0, "output": 0.0}
     )
     strain_tensile_max: float = 0.0
+    tension_max: float = 0.0
+    stress_max: float = 0.0
     volume_error_max: float = 0.0
     iterations_total: int = 0
     iterations_max: int = 0

@@ -32,7 +32,8 @@ class Results:
 
     ``time`` (T,); ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``,
     ``moment`` (T, 3); ``reference`` (n, 3), ``triangles`` (m, 3); ``position`` (T, n, 3);
-    ``pressure``, ``dynamic_pressure`` (T, n); ``strain`` (T, m); ``volume``, ``datum_pressure``,
+    ``pressure``, ``dynamic_pressure`` (T, n); ``strain``, ``tension`` (T, m);
+    ``shell_slip``, ``self_slip`` (T, n); ``volume``, ``datum_pressure``,
     ``iterations``, ``residual`` (T,); ``metrics`` by name, (T,) each, in ``metric_units``.
     """
 
@@ -48,6 +49,9 @@ class Results:
     pressure: Array
     dynamic_pressure: Array
     strain: Array
+    tension: Array
+    shell_slip: Array
+    self_slip: Array
     volume: Array
     datum_pressure: Array
     liquid_cg: Array

@@ -21,6 +21,9 @@ FIELDS = {
     "diaphragm/pressure": ("pressure", "Pa"),
     "diaphragm/dynamic_pressure": ("dynamic_pressure", "Pa"),
     "diaphragm/strain": ("strain", "-"),
+    "diaphragm/tension": ("tension", "N/m"),
+    "diaphragm/shell_slip": ("shell_slip", "m"),
+    "diaphragm/self_slip": ("self_slip", "m"),
     "liquid/volume": ("volume", "m^3"),
     "liquid/datum_pressure": ("datum_pressure", "Pa"),
     "liquid/cg": ("liquid_cg", "m"),
@@ -50,8 +53,9 @@ def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles
 
 
 def _row_shape(name: str, nodes: int, triangles: int) -> tuple[int, ...]:
-    special = {"position": (nodes, 3), "strain": (triangles,)}
-    special |= dict.fromkeys(("pressure", "dynamic_pressure"), (nodes,))
+    special = {"position": (nodes, 3), "strain": (triangles,), "tension": (triangles,)}
+    at_nodes = ("pressure", "dynamic_pressure", "shell_slip", "self_slip")
+    special |= dict.fromkeys(at_nodes, (nodes,))
     vectors = ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment")
     return special.get(name, (3,) if name in vectors else ())
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.ports import Array, FlowSample, HydrostaticLoad, Ints, Sample, StructureState
+from coupling.ports import Array, DiaphragmState, FlowSample, HydrostaticLoad, Ints, Sample
 from coupling.structure import liquid_cg
 
 FLOW_METRICS = (
@@ -19,7 +19,7 @@ FLOW_METRICS = (
 def sample_at(
     time: float,
     *,
-    state: StructureState,
+    state: DiaphragmState,
     triangles: Ints,
     radius: float,
     load: HydrostaticLoad,
@@ -52,6 +52,9 @@ def sample_at(
         pressure=hydrostatic + dynamic_pressure,
         dynamic_pressure=dynamic_pressure,
         strain=state.strain,
+        tension=state.tension,
+        shell_slip=state.shell_slip,
+        self_slip=state.self_slip,
         volume=state.volume,
         datum_pressure=state.datum_pressure,
         liquid_cg=cg,

@@ -13,7 +13,7 @@ from cloth.settle import settle
 from cloth.step import Cloth
 from cloth.thesis.grid import thesis_grid
 from cloth.thesis.sheet import STEP, ThesisSheet
-from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed, Structure
+from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, RunFailed, Structure
 from coupling.scene import Scene
 
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
@@ -23,11 +23,16 @@ class Diaphragm(Structure, Protocol):
     """A structure that can be held where it settled."""
 
     mass: Array  # (n,) [kg]
+    thickness: Array  # (m,) [m]
     held: bool  # no node ever moves
 
     @property
     def iterations(self) -> int:
         """Inner iterations of the last solve."""
+
+    @property
+    def state(self) -> DiaphragmState:
+        """The committed state."""
 
 
 def diaphragm_of(scene: Scene) -> Diaphragm:

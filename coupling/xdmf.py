@@ -13,7 +13,9 @@ import h5py
 
 from coupling.ports import Array
 
-_VIEWS = ("position", "pressure", "dynamic_pressure", "strain")
+_AT_NODES = ("pressure", "dynamic_pressure", "shell_slip", "self_slip")
+_AT_TRIANGLES = ("strain", "tension")
+_VIEWS = ("position", *_AT_NODES, *_AT_TRIANGLES)
 
 
 def link_instants(file: Any, start: int, stop: int) -> None:
@@ -67,11 +69,14 @@ def _instant(view: str, data_file: str, time: float, nodes: int, triangles: int)
         f"{_item(f'{data_file}:/diaphragm/triangles', f'{triangles} 3', 'Int')}</Topology>\n"
         f'<Geometry GeometryType="XYZ">{_item(f"{view}/position", f"{nodes} 3")}</Geometry>\n'
         + _attribute("position", "Vector", "Node", _item(f"{view}/position", f"{nodes} 3"))
-        + _attribute("pressure", "Scalar", "Node", _item(f"{view}/pressure", f"{nodes}"))
-        + _attribute(
-            "dynamic_pressure", "Scalar", "Node", _item(f"{view}/dynamic_pressure", f"{nodes}")
+        + "".join(
+            _attribute(name, "Scalar", "Node", _item(f"{view}/{name}", f"{nodes}"))
+            for name in _AT_NODES
         )
-        + _attribute("strain", "Scalar", "Cell", _item(f"{view}/strain", f"{triangles}"))
+        + "".join(
+            _attribute(name, "Scalar", "Cell", _item(f"{view}/{name}", f"{triangles}"))
+            for name in _AT_TRIANGLES
+        )
         + "</Grid>\n"
     )
 

@@ -41,6 +41,8 @@ def summarise(
         "wall_s": statistics.wall_s,
         "wall_by_part": dict(statistics.wall_by_part),
         "strain_tensile_max": statistics.strain_tensile_max,
+        "tension_max_N_per_m": statistics.tension_max,
+        "stress_max_Pa": statistics.stress_max,
         "volume_error_max": statistics.volume_error_max,
         "coupling": {
             "scheme": scene.coupling.scheme,

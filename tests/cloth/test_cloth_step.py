@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from cloth.contact import slid
 from cloth.inertia import kinematics
 from cloth.material import Diaphragm, diaphragm
 from cloth.mesh import Mesh, hemisphere
@@ -321,3 +323,36 @@ def test_given_datum_drifts_but_does_not_evert():
 def test_load_needs_either_volume_or_datum():
     with pytest.raises(ValueError, match="either the volume or the datum"):
         build(3).begin_step(0.01, Water(None, GRAVITY))
+
+
+def test_slip_counts_the_way_along_the_shell_of_pressed_nodes_only():
+    """A quarter turn in small steps is a quarter of the circle; radial moves count nothing."""
+    angle = np.linspace(0.0, 0.5 * math.pi, 91)
+    way = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    total = np.zeros(2)
+    for start, end in pairwise(way):
+        total += slid(np.stack([start, start]), np.stack([end, end]), np.array([True, False]))
+    np.testing.assert_allclose(total, [0.5 * math.pi, 0.0], rtol=(math.pi / 180.0) ** 2 / 24.0)
+    assert slid(way[:1], 0.9 * way[:1], np.array([True]))[0] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_sway_rubs_the_shell_and_settling_does_not_count(settled):
+    cloth, saved = settled[0.8]
+    cloth.restore(saved)
+    assert not cloth.state.shell_slip.any()
+    slip = [state.shell_slip for state in run(cloth, 100)]
+    assert np.all(np.diff([s.sum() for s in slip]) >= 0.0)
+    assert 0.005 < slip[-1].max() < R
+    assert not slip[-1][cloth.fixed].any()
+
+
+def test_tension_carries_the_pressure():
+    """An inextensible half ball under p = p0 alone pulls with p0 R/2 both ways, Laplace's law.
+
+    The facets lie below the sphere by h^2: 1 % at 12 rings.
+    """
+    sheet = Diaphragm(density=1070.0, thickness=1e-3, youngs_modulus=0.0)
+    cloth = Cloth(mesh=hemisphere(R, 12), diaphragm=sheet, shell_radius=None)
+    settle(cloth, Water(None, np.zeros(3), datum=2000.0), ramp_steps=1)
+    inner = cloth.model.mesh.rim_distance[cloth.triangles].min(axis=1) > 0.2 * R
+    assert np.median(cloth.state.tension[inner]) == pytest.approx(2000.0 * R / 2.0, rel=0.02)
