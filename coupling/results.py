@@ -158,7 +158,8 @@ class ResultsWriter:
         begin = clock.perf_counter()
         with replacing(self._path) as beside:
             shutil.copyfile(self._path, beside)
-            with h5py.File(beside, "r+") as file:
+            # Without a cache of chunks a full disk is an OSError here, not a crash on the way out.
+            with h5py.File(beside, "r+", rdcc_nbytes=0) as file:
                 layout.extend(file, self._written, self._waiting)
                 times = file["time"][()]
         self._written += len(self._waiting)

@@ -207,6 +207,7 @@ def fill(folder: Path, limit: int) -> str:
         check=False,
     )
     assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
     return done.stdout
 
 
