@@ -127,7 +127,7 @@ class TableMotion:
 def motion_of(scene: Scene) -> TankMotion:
     """The tank's motion that a scene describes.
 
-    ``MotionTableError`` if the table has changed since the scene was read and is now wrong.
+    ``TableError`` if the table has changed since the scene was read and is now wrong.
     """
     motion = scene.motion
     if motion.kind == "table":

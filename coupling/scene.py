@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from coupling.motion_table import MotionTableError, read_motion_table
+from coupling.motion_table import read_motion_table
 from coupling.scene_errors import SceneError, problems_of
 from coupling.scene_sections import (
     Cloth,
@@ -31,6 +31,7 @@ from coupling.scene_sections import (
     Vector,
 )
 from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_file
+from coupling.table_file import TableError
 
 __all__ = [
     "SCENE_FILE",
@@ -152,7 +153,7 @@ def _check_motion(scene: Scene) -> list[str]:
 def _check_table(path: Path, end: float) -> list[str]:
     try:
         table = read_motion_table(path)
-    except MotionTableError as error:
+    except TableError as error:
         return [f"motion.file: {error}"]
     first, last = float(table.time[0]), float(table.time[-1])
     if first > 0.0 or last < end * (1.0 - 1e-9):

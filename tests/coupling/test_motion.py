@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from coupling.motion import SineMotion, TableMotion, motion_of, smooth_ramp
-from coupling.motion_table import MotionTable, MotionTableError, read_motion_table
+from coupling.motion_table import MotionTable, read_motion_table
 from coupling.scene import scene_from
+from coupling.table_file import TableError
 
 MINIMAL = {
     "tank": {"radius": 0.4445},
@@ -118,6 +119,15 @@ def test_a_table_may_have_a_header_comments_and_empty_lines(tmp_path: Path):
     assert table.acceleration[1].tolist() == [1.0, 2.0, 3.0]
 
 
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
+    file = tmp_path / "table.csv"
+    with pytest.raises(TableError, match=r"table\.csv: cannot be read: No such file"):
+        read_motion_table(file)
+    file.write_bytes(b"0,0,0,0\n\xff\xfe")
+    with pytest.raises(TableError, match=r"is not a text file\. Give"):
+        read_motion_table(file)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -132,7 +142,7 @@ def test_a_table_may_have_a_header_comments_and_empty_lines(tmp_path: Path):
 def test_a_wrong_table_is_refused_with_its_line(tmp_path: Path, text: str, says: str):
     file = tmp_path / "table.csv"
     file.write_text(text)
-    with pytest.raises(MotionTableError, match=says) as caught:
+    with pytest.raises(TableError, match=says) as caught:
         read_motion_table(file)
     assert str(file) in str(caught.value)
 
