@@ -1,7 +1,8 @@
 """What to simulate: a scene, read from TOML, checked as a whole, immutable.
 
-The sections stand in ``scene_sections``; here is what concerns more than one of them, and reading
-and writing. A ``Scene`` that exists is valid, its motion table included.
+The sections stand in ``scene_sections`` and ``scene_numerics``, what concerns more than one of them
+in ``scene_checks``; here they are put together, read and written. A ``Scene`` that exists is valid,
+its tables included.
 """
 
 from __future__ import annotations
@@ -15,23 +16,11 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from coupling.motion_table import read_motion_table
+from coupling.scene_checks import problems_between
 from coupling.scene_errors import SceneError, problems_of
-from coupling.scene_sections import (
-    Cloth,
-    Coupling,
-    Diaphragm,
-    Liquid,
-    Model,
-    Motion,
-    OpenFoam,
-    Section,
-    Tank,
-    Time,
-    Vector,
-)
+from coupling.scene_numerics import Cloth, Coupling, OpenFoam, Time
+from coupling.scene_sections import Diaphragm, Liquid, Model, Motion, Section, Tank, Vector
 from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_file
-from coupling.table_file import TableError
 
 __all__ = [
     "SCENE_FILE",
@@ -47,8 +36,6 @@ __all__ = [
 ]
 
 TABLE_FILE = "motion.csv"
-STEPS_PER_PERIOD = 20
-THICKNESS_OVER_RADIUS = 0.05
 
 
 class Scene(Section):
@@ -82,102 +69,12 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
-        problems = [
-            *_check_shape(self),
-            *_check_grid(self),
-            *_check_motion(self),
-            *_check_time(self),
-        ]
+        problems = problems_between(self)
         if problems:
             raise PydanticCustomError(
                 "cross_check", "{problems}", {"problems": "\n".join(problems)}
             )
         return self
-
-
-def _check_shape(scene: Scene) -> list[str]:
-    problems = []
-    thickest = THICKNESS_OVER_RADIUS * scene.tank.radius
-    if scene.diaphragm.thickness >= thickest:
-        problems.append(
-            f"diaphragm.thickness: must be below {THICKNESS_OVER_RADIUS} radii ({thickest:.4g} m), "
-            f"got {scene.diaphragm.thickness:g}. Give metres; a thicker diaphragm is no membrane."
-        )
-    if not scene.gravity[2] < 0.0:
-        problems.append(
-            f"gravity: its z component must be negative, got {list(scene.gravity)}. "
-            "Turn the tank so that the liquid lies below the diaphragm, at negative z."
-        )
-    return problems
-
-
-def _check_grid(scene: Scene) -> list[str]:
-    """What the thesis' grid can do: it has no volume constraint, and no middle if odd."""
-    problems = []
-    if scene.cloth.grid == "thesis" and scene.model.fluid != "datum":
-        problems.append(
-            f'cloth.grid: "thesis" needs model.fluid = "datum", got "{scene.model.fluid}". '
-            'Take cloth.grid = "rings" for a liquid that keeps its volume.'
-        )
-    if scene.cloth.grid == "thesis" and scene.cloth.resolution % 2:
-        problems.append(
-            f'cloth.resolution: must be even for cloth.grid = "thesis", got '
-            f"{scene.cloth.resolution}. Give the number of nodes across, 26 in the thesis."
-        )
-    return problems
-
-
-def _check_motion(scene: Scene) -> list[str]:
-    motion = scene.motion
-    needs: dict[str, tuple[str, ...]] = {
-        "sine": ("frequency", "amplitude"),
-        "table": ("file",),
-        "rest": (),
-    }
-    problems = [
-        f'motion.{key}: is required for kind = "{motion.kind}". '
-        f"Give the {Motion.model_fields[key].description}."
-        for key in needs[motion.kind]
-        if getattr(motion, key) is None
-    ]
-    if not any(motion.direction):
-        problems.append(
-            "motion.direction: must not be zero, got [0, 0, 0]. "
-            "Give the direction of the shaking, such as [1.0, 0.0, 0.0]."
-        )
-    if motion.kind == "table" and motion.file is not None:
-        problems += _check_table(Path(motion.file), scene.time.step * scene.time.steps)
-    return problems
-
-
-def _check_table(path: Path, end: float) -> list[str]:
-    try:
-        table = read_motion_table(path)
-    except TableError as error:
-        return [f"motion.file: {error}"]
-    first, last = float(table.time[0]), float(table.time[-1])
-    if first > 0.0 or last < end * (1.0 - 1e-9):
-        return [
-            f"motion.file: {path}: must cover 0 to {end:g} s, covers {first:g} to {last:g} s. "
-            "Shorten time.duration, or give a longer table that starts at 0."
-        ]
-    return []
-
-
-def _check_time(scene: Scene) -> list[str]:
-    time, problems = scene.time, []
-    if time.duration < time.step:
-        problems.append(
-            f"time.duration: must be at least time.step ({time.step:g} s), got {time.duration:g}. "
-            "Give a longer duration, or a smaller step."
-        )
-    longest = None if scene.period is None else scene.period / STEPS_PER_PERIOD
-    if longest is not None and time.step > longest * (1.0 + 1e-9):
-        problems.append(
-            f"time.step: must be at most 1/{STEPS_PER_PERIOD} of the motion's period "
-            f"({longest:.4g} s), got {time.step:g}. Give a smaller step."
-        )
-    return problems
 
 
 def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:

@@ -1,0 +1,103 @@
+"""How it is simulated: the sections of a scene on grids, coupling and time.
+
+Descriptions complete the sentence "Give the ...", as in ``scene_sections``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from cloth.thesis.grid import SIZE
+from coupling.scene_sections import Section
+
+
+class Cloth(Section):
+    """The diaphragm's mesh and solver.
+
+    ``grid = "thesis"`` is the thesis' own square grid and explicit algorithm, to be measured
+    against; of the settings here it takes ``resolution`` and ``strain_limit`` (its allowable
+    strain, a mean) only.
+    """
+
+    resolution: int = Field(
+        default=24,
+        ge=4,
+        le=200,
+        description='number of rings of triangles; with grid = "thesis" the even number of nodes '
+        "across its square, the thesis' 26 if left out",
+    )
+    grid: Literal["rings", "thesis"] = Field(
+        default="rings", description='grid: "rings" or "thesis"'
+    )
+    wrinkling: Literal["relaxed"] = Field(
+        default="relaxed", description='wrinkling model: "relaxed" (folds below the grid)'
+    )
+    strain_limit: float = Field(
+        default=0.01, gt=0, lt=1, description="largest principal tensile strain to report as kept"
+    )
+    iterations: int = Field(default=20, ge=1, le=10000, description="inner iterations of a solve")
+    bending_damping: float = Field(
+        default=0.3,
+        ge=0,
+        description="bending moment per rate over that per curvature [s]; stands for folds below "
+        "the grid",
+    )
+    drag: float = Field(default=100.0, ge=0, description="tangential drag of slack cloth [1/s]")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size_of_thesis(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or given.get("grid") != "thesis":
+            return given
+        return {"resolution": SIZE} | given
+
+
+class OpenFoam(Section):
+    """The flow solver and its mesh; read only when ``model.fluid`` is ``openfoam``."""
+
+    command: str = Field(
+        default="pimpleFoam", min_length=1, description="solver: a name on PATH or a path"
+    )
+    cells: int = Field(default=1300, ge=64, description="approximate number of cells, 64 or more")
+    processors: Literal[1] = Field(default=1, description="value 1")
+    timeout: float = Field(default=120.0, gt=0, description="longest wait for one solver call [s]")
+    clearance: float = Field(
+        default=0.02, gt=0, le=0.2, description="film kept at the wet shell for the mesh, over R"
+    )
+
+
+class Coupling(Section):
+    """How diaphragm and flow are made to agree within a step."""
+
+    scheme: Literal["added-mass", "iqn-ils", "aitken", "fixed-point"] = Field(
+        default="added-mass",
+        description='coupling scheme: "added-mass", "iqn-ils", "aitken" or "fixed-point"',
+    )
+    tolerance: float = Field(default=1e-4, gt=0, lt=1, description="relative residual to reach")
+    max_iterations: int = Field(default=30, ge=1, description="most iterations of a step")
+    reuse: int = Field(default=8, ge=0, description="number of past steps that iqn-ils reuses")
+    max_unconverged: int = Field(
+        default=5, ge=0, description="number of unconverged steps after which the run stops"
+    )
+    relaxation: float = Field(
+        default=0.01, gt=0, le=1, description="first relaxation of aitken and iqn-ils"
+    )
+
+
+class Time(Section):
+    """Steps and output. Time 0 is the settled state; the shaking starts there."""
+
+    settle: float = Field(default=1.0, ge=0, description="largest pseudo-time of settling [s]")
+    duration: float = Field(gt=0, description="simulated time after settling [s]")
+    step: float = Field(default=0.005, gt=0, description="time step [s]")
+    output_every: int = Field(default=4, ge=1, description="number of steps between outputs")
+    checkpoint_every: int = Field(
+        default=50, ge=1, description="number of steps between checkpoints"
+    )
+
+    @property
+    def steps(self) -> int:
+        """Number of steps that reach the duration."""
+        return max(1, round(self.duration / self.step))
