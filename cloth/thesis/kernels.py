@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.compiled import compiled_strictly
+from cloth.compiled import compiled
 from cloth.thesis.constants import COLUMNS, OFFSETS, ROWS, STRETCHING, Constants
 from cloth.thesis.reference import BENDING_SWEEPS, SWEEPS_MAX, TOUCHING
 
 
-@compiled_strictly
+@compiled
 def _cross(a: Array, b: Array, product: Array) -> float:
     """a x b into ``product`` (3,); returns its length."""
     product[0] = a[1] * b[2] - a[2] * b[1]
@@ -21,7 +21,7 @@ def _cross(a: Array, b: Array, product: Array) -> float:
     return math.sqrt(product[0] ** 2 + product[1] ** 2 + product[2] ** 2)
 
 
-@compiled_strictly
+@compiled
 def node_areas(x: Array) -> Array:
     """See ``cloth.thesis.grid.node_areas``."""
     n, m = x.shape[0], x.shape[1]
@@ -45,7 +45,7 @@ def node_areas(x: Array) -> Array:
     return areas
 
 
-@compiled_strictly
+@compiled
 def unit_normals(x: Array) -> Array:
     """See ``cloth.thesis.reference.unit_normals``."""
     normals = np.zeros_like(x)
@@ -61,7 +61,7 @@ def unit_normals(x: Array) -> Array:
     return normals
 
 
-@compiled_strictly
+@compiled
 def add_bending(
     x: Array, normals: Array, rest: Array, stiffness: float, di: int, dj: int, force: Array
 ) -> None:
@@ -81,7 +81,7 @@ def add_bending(
                 force[i, j, d] += pull * normals[i, j, d]
 
 
-@compiled_strictly
+@compiled
 def relieve(x: Array, rest: Array, back: Array, forth: Array, di: int, dj: int) -> float:
     """See ``cloth.thesis.reference.relieve``."""
     move = np.zeros_like(x)
@@ -109,7 +109,7 @@ def relieve(x: Array, rest: Array, back: Array, forth: Array, di: int, dj: int) 
     return total
 
 
-@compiled_strictly
+@compiled
 def put_inside(x: Array, radius: float) -> None:
     """See ``cloth.thesis.reference.put_inside``."""
     for i in range(1, x.shape[0] - 1):
@@ -120,7 +120,7 @@ def put_inside(x: Array, radius: float) -> None:
                     x[i, j, d] *= radius / math.sqrt(square)
 
 
-@compiled_strictly
+@compiled
 def project(x: Array, c: Constants) -> tuple[float, int]:
     """See ``cloth.thesis.reference.project``."""
     error = 0.0
@@ -134,7 +134,7 @@ def project(x: Array, c: Constants) -> tuple[float, int]:
     return error, -1
 
 
-@compiled_strictly
+@compiled
 def move_freely(
     x: Array, v: Array, c: Constants, density: float, datum: float, body: Array, force: Array,
     dt: float,
@@ -157,7 +157,7 @@ def move_freely(
                 x[i, j, d] += dt * v[i, j, d]
 
 
-@compiled_strictly
+@compiled
 def advance(
     x: Array, v: Array, c: Constants, density: float, datum: Array, body: Array, force: Array,
     dt: float, steps: int,
