@@ -1,0 +1,97 @@
+"""What self-contact leaves of a step: where it ended, what touches and how far it slid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cloth.arrays import Array, Bools, Ints
+from cloth.contact_pairs import end_gaps
+from cloth.contact_planes import Planes
+
+TOUCHING = 1.2  # thicknesses up to which a pair is reported
+NEAR = 1.5  # thicknesses up to which nodes are kept out of what follows
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """The end of a step without crossings.
+
+    ``position`` (n, 3) [m]. Touching pairs: ``pairs`` (k, 5), kind (``cloth.proximity``) and four
+    nodes; ``weights`` (k, 4) of their nearest points; ``normal`` (k, 3) from the second side to
+    the first; ``gap`` (k,) between mid-surfaces [m]; ``slip`` (k, 3) [m], the first side's motion
+    along the second during the step. ``near`` (n,): nodes of pairs within 1.5 thicknesses.
+    ``moved`` [m], the largest correction; ``rigid`` and ``held`` (n,): nodes that the fail-safe
+    moved as rigid zones or left where they started. ``failed``: pairs (k, 2) of triangles that
+    crossed at the start already and were let through; where there are any the end may cross too.
+    """
+
+    position: Array
+    pairs: Ints
+    weights: Array
+    normal: Array
+    gap: Array
+    slip: Array
+    near: Bools
+    moved: float
+    rigid: Bools
+    held: Bools
+    failed: Ints
+
+    def node_slip(self) -> Array:
+        """Slip (n,) [m] of every node: the mean of its pairs' slips by their weights."""
+        total, weight = np.zeros((2, len(self.position)))
+        size = np.abs(self.weights)
+        length = np.linalg.norm(self.slip, axis=1)
+        np.add.at(total, self.pairs[:, 1:], size * length[:, None])
+        np.add.at(weight, self.pairs[:, 1:], size)
+        return np.asarray(total / np.maximum(weight, 1e-30))
+
+    def planes(self, thickness: float) -> Planes:
+        """The touching pairs' half-spaces: their gap, where that is less than ``thickness`` [m]."""
+        return Planes(
+            nodes=self.pairs[:, 1:].copy(),
+            weights=self.weights,
+            normal=self.normal,
+            rest=np.minimum(self.gap, thickness),
+        )
+
+
+def touching(
+    *,
+    start: Array,
+    end: Array,
+    position: Array,
+    pairs: Ints,
+    thickness: float,
+    rigid: Bools,
+    held: Bools,
+    failed: Ints,
+) -> Contact:
+    """The pairs (j, 5) within 1.2 ``thickness`` [m] at ``position`` (n, 3) [m], and their slips.
+
+    ``start``, ``end`` (n, 3) [m]: where the step began, and would have ended without contact.
+    """
+    gap, weights = np.empty(len(pairs)), np.empty((len(pairs), 4))
+    normal = np.empty((len(pairs), 3))
+    end_gaps(position, pairs, gap, weights, normal)
+    near = np.zeros(len(position), dtype=np.bool_)
+    near[pairs[gap < NEAR * thickness, 1:]] = True
+    on = gap < TOUCHING * thickness
+    weights, normal = weights[on], normal[on]
+    between = np.einsum("ki,kid->kd", weights, (position - start)[pairs[on, 1:]])
+    along = np.einsum("kd,kd->k", between, normal)[:, None] * normal
+    return Contact(
+        position=position,
+        pairs=pairs[on],
+        weights=weights,
+        normal=normal,
+        gap=gap[on],
+        slip=between - along,
+        near=near,
+        moved=float(np.linalg.norm(position - end, axis=1).max(initial=0.0)),
+        rigid=rigid,
+        held=held,
+        failed=failed,
+    )
