@@ -43,17 +43,24 @@ def _check_shape(scene: Scene) -> list[str]:
 
 
 def _check_grid(scene: Scene) -> list[str]:
-    """What the thesis' grid can do: it has no volume constraint, and no middle if odd."""
+    """What the thesis' grid can do: it has neither compliance nor a volume constraint."""
+    if scene.cloth.grid != "thesis":
+        return []
     problems = []
-    if scene.cloth.grid == "thesis" and scene.model.fluid != "datum":
+    if scene.model.fluid != "datum":
         problems.append(
             f'cloth.grid: "thesis" needs model.fluid = "datum", got "{scene.model.fluid}". '
             'Take cloth.grid = "rings" for a liquid that keeps its volume.'
         )
-    if scene.cloth.grid == "thesis" and scene.cloth.resolution % 2:
+    if scene.cloth.resolution % 2:
         problems.append(
             f'cloth.resolution: must be even for cloth.grid = "thesis", got '
             f"{scene.cloth.resolution}. Give the number of nodes across, 26 in the thesis."
+        )
+    if not scene.diaphragm.inextensible:
+        problems.append(
+            'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false. '
+            'Take cloth.grid = "rings" for a diaphragm that stretches.'
         )
     return problems
 

@@ -83,7 +83,9 @@ class Diaphragm(Section):
     poisson_ratio: float = Field(
         ge=0, le=0.5, description="Poisson ratio, 0.5 for rubber", json_schema_extra=_MATERIAL
     )
-    inextensible: Literal[True] = Field(default=True, description="value true")
+    inextensible: bool = Field(
+        default=True, description="value false for the rubber's own compliance 1/(E t)"
+    )
     held: bool = Field(
         default=False, description="value true to hold the settled shape (rigid-body limit)"
     )

@@ -61,6 +61,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         diaphragm=scene.diaphragm.sheet,
         shell_radius=radius,
         strain_limit=cloth.strain_limit,
+        elastic=not scene.diaphragm.inextensible,
         clearance=clearance,
         dry=replace(DRY, **stated),
         wet=replace(WET, **stated),

@@ -207,7 +207,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("gravity=[0,0,'x']", 'must be a number, got "x"'),
         ("gravity=[9.81,0,0]", "its z component must be negative"),
         ("diaphragm.held=1", "must be true or false, got 1"),
-        ("diaphragm.inextensible=false", "must be true, got false"),
+        ("diaphragm.inextensible=no", 'must be true or false, got "no"'),
         ("diaphragm.poisson_ratio=0.7", "must lie in [0, 0.5], got 0.7"),
         ("diaphragm.thickness=0.03", "must be below 0.05 radii (0.02223 m), got 0.03"),
         ("diaphragm.material=teflon", '"teflon" is not a built-in elastomer'),
@@ -252,6 +252,13 @@ def test_the_thesis_grid_is_even_and_by_default_that_of_the_thesis(folder: Path)
     assert load_scene(folder, [*wanted, "cloth.resolution=14"]).cloth.resolution == 14
     (line,) = problems(folder, *wanted, "cloth.resolution=25")
     assert 'cloth.resolution: must be even for cloth.grid = "thesis", got 25.' in line
+
+
+def test_the_thesis_grid_does_not_stretch(folder: Path):
+    (line,) = problems(
+        folder, "cloth.grid=thesis", "model.fluid=datum", "diaphragm.inextensible=false"
+    )
+    assert 'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false.' in line
 
 
 def test_a_table_must_cover_the_run(folder: Path):

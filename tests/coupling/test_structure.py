@@ -98,6 +98,22 @@ def test_held_diaphragm_stays():
     np.testing.assert_array_equal(after, before)
 
 
+def test_a_diaphragm_with_its_compliance_stretches_by_tension_over_e_t():
+    strains = {}
+    for inextensible in (True, False):
+        rubber = {"material": "AF-E-332", "thickness": 0.001778, "inextensible": inextensible}
+        chosen = scene(diaphragm=rubber)
+        cloth = diaphragm_of(chosen)
+        load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+        settle_diaphragm(cloth, chosen, load)
+        strains[inextensible] = cloth.state.strain.max()
+        stretched = cloth.state.tension.max() / chosen.diaphragm.sheet.membrane_stiffness
+    assert strains[True] < 1e-4
+    # e1 = (T1 - nu T2)/(E t) with 0 <= T2 <= T1 and nu = 1/2.
+    assert 0.5 * stretched < strains[False] < 1.02 * stretched
+    assert stretched > 1e-3
+
+
 def test_clearance_only_where_there_is_a_flow():
     flow = diaphragm_of(scene(model={"fluid": "openfoam"}))
     still = diaphragm_of(scene(model={"fluid": "hydrostatic"}))
