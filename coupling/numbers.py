@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from coupling.scene import Scene
+from coupling.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
 
 # First slosh mode (m = 1) of a sphere, lambda = omega^2 R/g against the level h/R. The ends are
 # limits: 1 in a shallow bowl; lambda a/R = 2.754755 for a small opening of radius a (Henrici,
@@ -83,11 +84,6 @@ def membrane_parameter(
     return density * gravity * radius**2 / (youngs_modulus * thickness)
 
 
-def elasto_gravity_wavelength(*, bending_stiffness: float, density: float, gravity: float) -> float:
-    """2 pi (kappa/(rho g))^(1/4) [m]: the length of the wrinkles that bending chooses."""
-    return float(2.0 * np.pi * (bending_stiffness / (density * gravity)) ** 0.25)
-
-
 def added_mass_ratio(
     *, density: float, radius: float, area_density: float, eigenvalue: float
 ) -> float:
@@ -122,8 +118,9 @@ def openfoam_error(cells: int) -> float:
 class Numbers:
     """What can be said of a scene without running it.
 
-    Frequencies [Hz], wavelength [m], the rest dimensionless. None where the scene leaves it open:
-    no surface tension, no single frequency.
+    Frequencies [Hz], wavelength and grid spacing [m], the rest dimensionless. None where the scene
+    leaves it open: no surface tension, no single frequency. ``wrinkling_allowed`` is "resolved"
+    where the cloth's grid has the ``rings_to_resolve``, else "relaxed".
     """
 
     level: float
@@ -136,6 +133,9 @@ class Numbers:
     membrane_parameter: float
     elasto_gravity_wavelength: float
     folds_round_the_rim: float
+    grid_spacing: float
+    rings_to_resolve: int
+    wrinkling_allowed: str
     added_mass_ratio: float
     hydrostatic_error: float | None
     openfoam_error: float
@@ -180,9 +180,9 @@ def numbers_of(scene: Scene) -> Numbers:
     f1 = slosh_frequency(radius=radius, gravity=gravity, fill_fraction=scene.liquid.fill_fraction)
     f = _driving_frequency(scene)
     error = None if f is None else hydrostatic_error(f, f1)
-    wavelength = elasto_gravity_wavelength(
-        bending_stiffness=rubber.sheet.bending_stiffness, density=density, gravity=gravity
-    )
+    wavelength = shortest_wavelength(rubber, scene.liquid, np.array(scene.gravity))
+    rings = rings_to_resolve(radius, wavelength)
+    fine = scene.cloth.grid == "rings" and scene.cloth.rings >= rings
     enough = error is not None and error < HYDROSTATIC_IS_ENOUGH
     return Numbers(
         level=level,
@@ -198,6 +198,9 @@ def numbers_of(scene: Scene) -> Numbers:
         ),
         elasto_gravity_wavelength=wavelength,
         folds_round_the_rim=2.0 * float(np.pi) * radius / wavelength,
+        grid_spacing=grid_spacing(radius, scene.cloth),
+        rings_to_resolve=rings,
+        wrinkling_allowed="resolved" if fine else "relaxed",
         added_mass_ratio=added_mass_ratio(
             density=density,
             radius=radius,

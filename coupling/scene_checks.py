@@ -5,9 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from coupling.motion_table import read_motion_table
+from coupling.scene_numerics import MOST_RINGS
 from coupling.scene_sections import Motion
 from coupling.table_file import TableError
+from coupling.wrinkles import (
+    CELLS_A_WAVELENGTH,
+    grid_spacing,
+    rings_to_resolve,
+    shortest_wavelength,
+)
 
 if TYPE_CHECKING:
     from coupling.scene import Scene
@@ -21,6 +30,7 @@ def problems_between(scene: Scene) -> list[str]:
     return [
         *_check_shape(scene),
         *_check_grid(scene),
+        *_check_wrinkling(scene),
         *_check_motion(scene),
         *_check_time(scene),
     ]
@@ -62,7 +72,30 @@ def _check_grid(scene: Scene) -> list[str]:
             'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false. '
             'Take cloth.grid = "rings" for a diaphragm that stretches.'
         )
+    if scene.cloth.wrinkling != "relaxed":
+        problems.append(
+            f'cloth.wrinkling: does not apply to cloth.grid = "thesis", got '
+            f'"{scene.cloth.wrinkling}". Leave it out, or take cloth.grid = "rings".'
+        )
     return problems
+
+
+def _check_wrinkling(scene: Scene) -> list[str]:
+    """Whether the grid is fine enough for the wrinkles that it is asked to resolve."""
+    cloth, radius = scene.cloth, scene.tank.radius
+    if cloth.wrinkling != "resolved" or cloth.grid == "thesis":
+        return []
+    wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
+    needed = rings_to_resolve(radius, wavelength)
+    if cloth.resolution >= needed:
+        return []
+    finer = f"Give cloth.resolution = {needed} or more, or take"
+    mend = finer if needed <= MOST_RINGS else f"A grid has at most {MOST_RINGS} rings: take"
+    return [
+        f'cloth.wrinkling: "resolved" needs {CELLS_A_WAVELENGTH} spacings to the elasto-gravity '
+        f"wavelength of {wavelength:.4g} m, so {needed} rings; got {cloth.resolution} rings, "
+        f'{grid_spacing(radius, cloth):.4g} m apart. {mend} cloth.wrinkling = "relaxed".'
+    ]
 
 
 def _check_motion(scene: Scene) -> list[str]:

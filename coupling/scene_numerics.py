@@ -12,6 +12,8 @@ from pydantic import Field, model_validator
 from cloth.thesis.grid import SIZE
 from coupling.scene_sections import Section
 
+MOST_RINGS = 200
+
 
 class Cloth(Section):
     """The diaphragm's mesh and solver.
@@ -24,15 +26,17 @@ class Cloth(Section):
     resolution: int = Field(
         default=24,
         ge=4,
-        le=200,
+        le=MOST_RINGS,
         description='number of rings of triangles; with grid = "thesis" the even number of nodes '
         "across its square, the thesis' 26 if left out",
     )
     grid: Literal["rings", "thesis"] = Field(
         default="rings", description='grid: "rings" or "thesis"'
     )
-    wrinkling: Literal["relaxed"] = Field(
-        default="relaxed", description='wrinkling model: "relaxed" (folds below the grid)'
+    wrinkling: Literal["relaxed", "resolved"] = Field(
+        default="relaxed",
+        description='wrinkling model: "relaxed" (folds below the grid) or "resolved" (by the '
+        "rubber's own stiffness, on a grid that is fine enough)",
     )
     strain_limit: float = Field(
         default=0.01, gt=0, lt=1, description="largest principal tensile strain to report as kept"
@@ -52,6 +56,11 @@ class Cloth(Section):
         if not isinstance(given, dict) or given.get("grid") != "thesis":
             return given
         return {"resolution": SIZE} | given
+
+    @property
+    def rings(self) -> float:
+        """Spacings from the pole to the rim: half the nodes across where the grid is square."""
+        return self.resolution / 2.0 if self.grid == "thesis" else self.resolution
 
 
 class OpenFoam(Section):

@@ -56,6 +56,9 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         "bending_damping": cloth.bending_damping,
         "drag": cloth.drag,
     }
+    stiffness: dict[str, Any] = {}
+    if cloth.wrinkling == "resolved":
+        stiffness["compressive_stiffness"] = None
     return Cloth(
         mesh=hemisphere(radius, cloth.resolution),
         diaphragm=scene.diaphragm.sheet,
@@ -65,6 +68,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         clearance=clearance,
         dry=replace(DRY, **stated),
         wet=replace(WET, **stated),
+        **stiffness,
     )
 
 

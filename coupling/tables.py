@@ -143,6 +143,9 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
         "membrane_parameter": "rho g R^2/(E t)",
         "elasto_gravity_wavelength": "elasto-gravity wavelength [m]",
         "folds_round_the_rim": "folds round the rim",
+        "grid_spacing": "spacing of the cloth's grid [m]",
+        "rings_to_resolve": "rings that resolve the folds",
+        "wrinkling_allowed": "finest wrinkling on this grid",
         "added_mass_ratio": "added over diaphragm mass",
     }
     values = numbers.to_dict()

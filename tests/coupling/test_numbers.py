@@ -6,7 +6,6 @@ import pytest
 from coupling.numbers import (
     added_mass_ratio,
     bond_number,
-    elasto_gravity_wavelength,
     fill_fraction_of_level,
     froude_number,
     hydrostatic_error,
@@ -20,18 +19,21 @@ from coupling.numbers import (
 )
 from coupling.scene import Scene, scene_from
 from coupling.verify import run_case
+from coupling.wrinkles import elasto_gravity_wavelength, rings_to_resolve
 
 
 def pad_sway(**motion: object) -> Scene:
-    return scene_from(
-        {
-            "tank": {"radius": 0.4445},
-            "diaphragm": {"thickness": 0.001778, "material": "AF-E-332"},
-            "liquid": {"density": 1000.0, "viscosity": 1e-6, "fill_fraction": 0.8},
-            "motion": motion or {"kind": "sine", "frequency": 1.25, "amplitude": 0.25},
-            "time": {"duration": 1.0},
-        }
-    )
+    return tank(motion=motion or {"kind": "sine", "frequency": 1.25, "amplitude": 0.25})
+
+
+def tank(**sections: object) -> Scene:
+    base = {
+        "tank": {"radius": 0.4445},
+        "diaphragm": {"thickness": 0.001778, "material": "AF-E-332"},
+        "liquid": {"density": 1000.0, "viscosity": 1e-6, "fill_fraction": 0.8},
+        "time": {"duration": 1.0},
+    }
+    return scene_from(base | sections)
 
 
 @pytest.mark.parametrize("fill_fraction", [0.0, 1e-9, 0.01, 0.2, 0.5, 0.8, 0.999, 1.0])
@@ -121,6 +123,29 @@ def test_rest_and_slow_shaking_are_hydrostatic_and_a_table_is_not_judged(tmp_pat
     table = numbers_of(pad_sway(kind="table", file=str(tmp_path / "t.csv")))
     assert table.hydrostatic_error is None
     assert table.advised == "openfoam"
+
+
+def test_what_the_grid_can_show_of_the_wrinkles():
+    coarse, fine = tank(), tank(cloth={"resolution": 41})
+    assert numbers_of(coarse).grid_spacing == pytest.approx(0.4445 * np.pi / 48)
+    assert numbers_of(coarse).wrinkling_allowed == "relaxed"
+    # kappa = E t^3/9; 10 spacings of pi R/2/rings to 2 pi (kappa/(rho g))^(1/4).
+    wavelength = 2 * np.pi * (8.6e6 * 0.001778**3 / 9 / 9810) ** 0.25
+    assert numbers_of(fine).elasto_gravity_wavelength == pytest.approx(wavelength)
+    assert 40 < 10 * 0.4445 * np.pi / 2 / wavelength < 41
+    assert numbers_of(fine).rings_to_resolve == 41
+    assert numbers_of(fine).wrinkling_allowed == "resolved"
+    assert numbers_of(tank(cloth={"resolution": 40})).wrinkling_allowed == "relaxed"
+    assert rings_to_resolve(2.0 / np.pi, 0.5) == 20  # exactly ten to each
+
+
+def test_the_thesis_grid_has_half_as_many_rings_as_nodes_across():
+    numbers = numbers_of(tank(cloth={"grid": "thesis"}, model={"fluid": "datum"}))
+    assert numbers.grid_spacing == pytest.approx(0.4445 * np.pi / 2 / 13)
+    assert numbers.wrinkling_allowed == "relaxed"
+    finest = {"grid": "thesis", "resolution": 100}
+    finest = numbers_of(tank(cloth=finest, model={"fluid": "datum"}))
+    assert finest.wrinkling_allowed == "relaxed"  # whatever its spacing: it knows no wrinkling
 
 
 def test_plain_formulas():

@@ -215,7 +215,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("model.fluid=potential", 'one of "datum", "hydrostatic", "openfoam", got "potential"'),
         ("model.fluid=openfom", "Did you mean openfoam?"),
         ("openfoam.processors=4", "must be 1, got 4"),
-        ("cloth.wrinkling=resolved", 'must be "relaxed", got "resolved"'),
+        ("cloth.wrinkling=sharp", 'must be one of "relaxed", "resolved", got "sharp"'),
         ("cloth.grid=square", 'one of "rings", "thesis", got "square"'),
         ("cloth.grid=thesis", 'needs model.fluid = "datum", got "openfoam"'),
         ("motion.ramp=-1", "must not be negative, got -1"),
@@ -259,6 +259,20 @@ def test_the_thesis_grid_does_not_stretch(folder: Path):
         folder, "cloth.grid=thesis", "model.fluid=datum", "diaphragm.inextensible=false"
     )
     assert 'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false.' in line
+
+
+def test_wrinkles_are_resolved_by_ten_cells_a_wavelength(folder: Path):
+    fine = load_scene(folder, ["cloth.wrinkling=resolved", "cloth.resolution=41"])
+    assert fine.cloth.wrinkling == "resolved"
+    (line,) = problems(folder, "cloth.wrinkling=resolved", "cloth.resolution=40")
+    assert line.startswith('--set: cloth.wrinkling: "resolved" needs 10 spacings to the elasto-')
+    # 2 pi (kappa/(rho g))^(1/4) with kappa = E t^3/9, and pi R/2/40
+    assert "wavelength of 0.1709 m, so 41 rings; got 40 rings, 0.01746 m apart." in line
+    assert 'Give cloth.resolution = 41 or more, or take cloth.wrinkling = "relaxed".' in line
+    (line,) = problems(folder, "cloth.wrinkling=resolved", "diaphragm.thickness=0.0001")
+    assert 'A grid has at most 200 rings: take cloth.wrinkling = "relaxed".' in line
+    (line,) = problems(folder, "cloth.wrinkling=resolved", "cloth.grid=thesis", "model.fluid=datum")
+    assert 'cloth.wrinkling: does not apply to cloth.grid = "thesis", got "resolved".' in line
 
 
 def test_a_table_must_cover_the_run(folder: Path):

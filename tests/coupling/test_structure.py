@@ -114,6 +114,16 @@ def test_a_diaphragm_with_its_compliance_stretches_by_tension_over_e_t():
     assert stretched > 1e-3
 
 
+def test_resolved_wrinkles_stand_on_the_sheets_own_stiffness():
+    thick = {"material": "AF-E-332", "thickness": 0.01}  # so that few rings are enough
+    for wrinkling in ("relaxed", "resolved"):
+        chosen = scene(diaphragm=thick, cloth={"resolution": 12, "wrinkling": wrinkling})
+        stiffness = diaphragm_of(chosen).model.compressive
+        own = chosen.diaphragm.sheet.membrane_stiffness
+        expected = own if wrinkling == "resolved" else 10.0
+        np.testing.assert_allclose(stiffness, expected, rtol=1e-14)
+
+
 def test_clearance_only_where_there_is_a_flow():
     flow = diaphragm_of(scene(model={"fluid": "openfoam"}))
     still = diaphragm_of(scene(model={"fluid": "hydrostatic"}))
