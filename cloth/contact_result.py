@@ -21,10 +21,10 @@ class Contact:
     ``position`` (n, 3) [m]. Touching pairs: ``pairs`` (k, 5), kind (``cloth.proximity``) and four
     nodes; ``weights`` (k, 4) of their nearest points; ``normal`` (k, 3) from the second side to
     the first; ``gap`` (k,) between mid-surfaces [m]; ``slip`` (k, 3) [m], the first side's motion
-    along the second during the step. ``near`` (n,): nodes of pairs within 1.5 thicknesses.
-    ``moved`` [m], the largest correction; ``rigid`` and ``held`` (n,): nodes that the fail-safe
-    moved as rigid zones or left where they started. ``failed``: pairs (k, 2) of triangles that
-    crossed at the start already and were let through; where there are any the end may cross too.
+    along the second during the step. ``near`` (n,): nodes of pairs within 1.5 thicknesses, and
+    those ``held``. ``moved`` [m], the largest correction; ``rigid`` and ``held`` (n,): nodes that
+    the fail-safe moved as rigid zones or left where they started. ``failed``: pairs (k, 2)
+    of triangles that crossed at the start and were let through: then the end may cross too.
     """
 
     position: Array
@@ -76,7 +76,7 @@ def touching(
     gap, weights = np.empty(len(pairs)), np.empty((len(pairs), 4))
     normal = np.empty((len(pairs), 3))
     end_gaps(position, pairs, gap, weights, normal)
-    near = np.zeros(len(position), dtype=np.bool_)
+    near = held.copy()
     near[pairs[gap < NEAR * thickness, 1:]] = True
     on = gap < TOUCHING * thickness
     weights, normal = weights[on], normal[on]

@@ -141,8 +141,8 @@ class SelfContact:
         never pass through each other, collapsed and turned ones included, during the motion and
         at its end. Not guaranteed: anything between triangles that share a node (a fold may close
         to nothing, a triangle collapse or flip); the gap, where corrections contradict each
-        other; lengths, which the step's solver has to mend. A later move (the volume's closure) that
-        leaves the nodes ``near`` and is below 0.15 thicknesses crosses nothing; any other one
+        other; lengths, which the step's solver has to mend. A later move (the volume's closure)
+        that leaves the nodes ``near`` and is below 0.15 thicknesses crosses nothing; any other
         has to be resolved again, from the same ``start``.
         Raises ValueError for positions that are not finite.
         """
