@@ -46,7 +46,7 @@ class Tank(Section):
 
 
 def named_material(name: str) -> dict[str, float]:
-    """Density, Young's modulus and Poisson's ratio of a built-in elastomer, where known.
+    """Density, modulus, Poisson's ratio and strength of a built-in elastomer, where known.
 
     Raises ``PydanticCustomError`` for a name that is not built in.
     """
@@ -62,6 +62,7 @@ def named_material(name: str) -> dict[str, float]:
         "density": found.density,
         "youngs_modulus": found.youngs_modulus,
         "poisson_ratio": found.poisson_ratio,
+        "strength": found.strength,
     }
     return {key: value for key, value in values.items() if value is not None}
 
@@ -69,7 +70,8 @@ def named_material(name: str) -> dict[str, float]:
 class Diaphragm(Section):
     """The rubber, moulded as a hemisphere and clamped at the equator.
 
-    Either ``material`` or the three numbers; a number given beside a material overrides it.
+    Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
+    breaks at ``strength``: it is there to be compared with the tension.
     """
 
     thickness: float = Field(gt=0, description="thickness of the rubber [m], below 0.05 radii")
@@ -82,6 +84,9 @@ class Diaphragm(Section):
     )
     poisson_ratio: float = Field(
         ge=0, le=0.5, description="Poisson ratio, 0.5 for rubber", json_schema_extra=_MATERIAL
+    )
+    strength: float | None = Field(
+        default=None, gt=0, description="tensile strength of the rubber [Pa]"
     )
     inextensible: bool = Field(
         default=True, description="value false for the rubber's own compliance 1/(E t)"

@@ -13,7 +13,7 @@ SCENE_FILE = "scene.toml"
 # A name given on the command line replaces the numbers that the file gives in its place.
 _NUMBERS_OF_NAME: dict[tuple[str, ...], tuple[str, ...]] = {
     ("liquid", "name"): ("density", "viscosity", "surface_tension"),
-    ("diaphragm", "material"): ("density", "youngs_modulus", "poisson_ratio"),
+    ("diaphragm", "material"): ("density", "youngs_modulus", "poisson_ratio", "strength"),
 }
 
 

@@ -86,6 +86,18 @@ def test_a_name_on_the_command_line_replaces_the_numbers_of_the_file(folder: Pat
     assert heavier.liquid.density == 1100.0
 
 
+def test_the_strength_is_the_materials_unless_it_is_given(folder: Path):
+    assert load_scene(folder).diaphragm.strength == 11.4e6
+    aged = ["diaphragm.strength=5e6"]
+    assert load_scene(folder, aged).diaphragm.strength == 5e6
+    # Another material takes the old strength with it, whether it has one of its own or not.
+    sifa = ["diaphragm.material=SIFA-35", "diaphragm.youngs_modulus=8e6"]
+    assert load_scene(folder, [*aged, *sifa]).diaphragm.strength is None
+    assert with_overrides(load_scene(folder), sifa).diaphragm.strength is None
+    (line,) = problems(folder, "diaphragm.strength=0")
+    assert "must be positive, got 0. Give the tensile strength of the rubber [Pa]." in line
+
+
 def test_overrides_are_toml_or_text(folder: Path):
     scene = load_scene(
         folder, ["model.fluid=datum", "motion.direction=[0, 1, 0]", 'title = "a = b"']
