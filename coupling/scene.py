@@ -7,7 +7,6 @@ its tables included.
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
@@ -24,18 +23,19 @@ from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_f
 
 __all__ = [
     "SCENE_FILE",
-    "TABLE_FILE",
     "Scene",
     "SceneError",
     "load_scene",
     "plain_values",
+    "same_content",
     "scene_from",
     "scene_toml",
     "with_overrides",
     "write_scene",
 ]
 
-TABLE_FILE = "motion.csv"
+# Keys that name a file beside the scene, and what its copy in a run's folder is called.
+TABLE_FILES = {("motion", "file"): "motion.csv", ("diaphragm", "thickness_map"): "thickness.csv"}
 
 
 class Scene(Section):
@@ -80,17 +80,18 @@ class Scene(Section):
 def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:
     """Read ``scene.toml`` from a folder, or the scene file ``path`` itself.
 
-    ``overrides`` are ``key=value`` with dotted keys; the value is TOML, or else a string. A file
-    named by ``motion.file`` is looked for beside the scene.
+    ``overrides`` are ``key=value`` with dotted keys; the value is TOML, or else a string. Files
+    named by ``motion.file`` and ``diaphragm.thickness_map`` are looked for beside the scene.
 
     Raises ``SceneError`` with every problem found, each with its file, key, value and mend.
     """
     file = scene_file(path)
     data = read_toml(file)
     changed = [apply_override(data, text) for text in overrides]
-    motion = data.get("motion")
-    if isinstance(motion, dict) and isinstance(motion.get("file"), str):
-        motion["file"] = str((file.parent / motion["file"]).resolve())
+    for section, key in TABLE_FILES:
+        values = data.get(section)
+        if isinstance(values, dict) and isinstance(values.get(key), str):
+            values[key] = str((file.parent / values[key]).resolve())
     return scene_from(data, where=str(file), changed=changed)
 
 
@@ -121,8 +122,39 @@ def with_overrides(scene: Scene, overrides: Sequence[str]) -> Scene:
 
 
 def plain_values(scene: Scene) -> dict[str, Any]:
-    """Nested dictionary of all values, defaults included; keys without a value are left out."""
-    return scene.model_dump(exclude_none=True)
+    """Nested dictionary of all values, defaults included; keys without a value are left out.
+
+    So is the thickness that a map stands for.
+    """
+    data = scene.model_dump(exclude_none=True)
+    if scene.diaphragm.thickness_map is not None:
+        del data["diaphragm"]["thickness"]
+    return data
+
+
+def _tables(scene: Scene) -> dict[tuple[str, str], Path]:
+    """Files that the scene uses, by the section and key that name them."""
+    files = {}
+    for section, key in TABLE_FILES:
+        name = getattr(getattr(scene, section), key)
+        if name is not None and (section != "motion" or scene.motion.kind == "table"):
+            files[section, key] = Path(name)
+    return files
+
+
+def same_content(one: Scene, other: Scene) -> bool:
+    """Whether two scenes ask for the same run, wherever the files lie that they name.
+
+    ``OSError`` where one cannot be read.
+    """
+
+    def content(scene: Scene) -> tuple[dict[str, Any], dict[tuple[str, str], bytes]]:
+        data, tables = plain_values(scene), _tables(scene)
+        for section, key in tables:
+            del data[section][key]
+        return data, {place: path.read_bytes() for place, path in tables.items()}
+
+    return content(one) == content(other)
 
 
 def scene_toml(scene: Scene) -> str:
@@ -131,17 +163,18 @@ def scene_toml(scene: Scene) -> str:
 
 
 def write_scene(scene: Scene, folder: Path) -> Path:
-    """Write ``scene.toml`` into ``folder``, with a copy of the motion table, and return its path.
+    """Write ``scene.toml`` into ``folder``, with copies of the files it names; returns its path.
 
-    The folder can be moved and the scene run again from there: the table is named relative to it.
+    The folder can be moved and the scene run again from there: the files are named relative to it.
     ``OSError`` where the folder cannot be written.
     """
     data = plain_values(scene)
-    if scene.motion.kind == "table" and scene.motion.file is not None:
-        copy = folder / TABLE_FILE
-        if Path(scene.motion.file).resolve() != copy.resolve():
-            shutil.copyfile(scene.motion.file, copy)
-        data["motion"]["file"] = TABLE_FILE
+    contents = {place: path.read_bytes() for place, path in _tables(scene).items()}
+    for (section, key), content in contents.items():
+        copy = folder / TABLE_FILES[section, key]
+        if not copy.is_file() or copy.read_bytes() != content:
+            copy.write_bytes(content)
+        data[section][key] = copy.name
     file = folder / SCENE_FILE
     file.write_text(tomli_w.dumps(data), encoding="utf-8")
     return file

@@ -39,10 +39,12 @@ def problems_between(scene: Scene) -> list[str]:
 def _check_shape(scene: Scene) -> list[str]:
     problems = []
     thickest = THICKNESS_OVER_RADIUS * scene.tank.radius
-    if scene.diaphragm.thickness >= thickest:
+    _, thickness = scene.diaphragm.thickness_range
+    if thickness >= thickest:
+        key = "thickness" if scene.diaphragm.thickness_map is None else "thickness_map"
         problems.append(
-            f"diaphragm.thickness: must be below {THICKNESS_OVER_RADIUS} radii ({thickest:.4g} m), "
-            f"got {scene.diaphragm.thickness:g}. Give metres; a thicker diaphragm is no membrane."
+            f"diaphragm.{key}: must be below {THICKNESS_OVER_RADIUS} radii ({thickest:.4g} m), "
+            f"got {thickness:g}. Give metres; a thicker diaphragm is no membrane."
         )
     if not scene.gravity[2] < 0.0:
         problems.append(
@@ -53,7 +55,7 @@ def _check_shape(scene: Scene) -> list[str]:
 
 
 def _check_grid(scene: Scene) -> list[str]:
-    """What the thesis' grid can do: it has neither compliance nor a volume constraint."""
+    """What the thesis' grid can do: one thickness, no compliance and no volume constraint."""
     if scene.cloth.grid != "thesis":
         return []
     problems = []
@@ -71,6 +73,11 @@ def _check_grid(scene: Scene) -> list[str]:
         problems.append(
             'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false. '
             'Take cloth.grid = "rings" for a diaphragm that stretches.'
+        )
+    if scene.diaphragm.thickness_map is not None:
+        problems.append(
+            'diaphragm.thickness_map: does not apply to cloth.grid = "thesis". '
+            'Give diaphragm.thickness, or take cloth.grid = "rings".'
         )
     if scene.cloth.wrinkling != "relaxed":
         problems.append(

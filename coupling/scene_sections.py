@@ -6,6 +6,7 @@ Immutable; SI throughout; a key that is not named here is refused.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -16,8 +17,11 @@ from cloth.material import ELASTOMERS
 from cloth.material import Diaphragm as Sheet
 from coupling.liquids import LIQUIDS
 from coupling.ports import Array
+from coupling.table_file import TableError
+from coupling.thickness_map import ThicknessMap, read_thickness_map
 
 _MATERIAL: dict[str, Any] = {"instead": 'a known material such as material = "AF-E-332"'}
+_MAP: dict[str, Any] = {"instead": "a thickness_map"}
 _LIQUID: dict[str, Any] = {"instead": 'a known liquid such as name = "water"'}
 
 
@@ -67,14 +71,44 @@ def named_material(name: str) -> dict[str, float]:
     return {key: value for key, value in values.items() if value is not None}
 
 
+def _mean_of_map(given: dict[str, Any]) -> float:
+    """Mean thickness [m] of the map that a diaphragm is given.
+
+    Raises ``PydanticCustomError`` for a wrong map, and for a thickness beside it.
+    """
+    problems = []
+    if "thickness" in given:
+        problems.append(
+            f"diaphragm.thickness: is the mean of thickness_map, got {given['thickness']} beside "
+            "it. Leave one of the two out."
+        )
+    try:
+        mean = read_thickness_map(Path(given["thickness_map"])).mean
+    except TableError as error:
+        problems.append(f"diaphragm.thickness_map: {error}")
+    else:
+        if not problems:
+            return mean
+    raise PydanticCustomError("cross_check", "{problems}", {"problems": "\n".join(problems)})
+
+
 class Diaphragm(Section):
     """The rubber, moulded as a hemisphere and clamped at the equator.
 
     Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
-    breaks at ``strength``: it is there to be compared with the tension.
+    breaks at ``strength``: it is there to be compared with the tension. With a ``thickness_map``,
+    ``thickness`` is left out and stands for the map's mean over the moulded area.
     """
 
-    thickness: float = Field(gt=0, description="thickness of the rubber [m], below 0.05 radii")
+    thickness: float = Field(
+        gt=0,
+        description="thickness of the rubber [m], below 0.05 radii",
+        json_schema_extra=_MAP,
+    )
+    thickness_map: str | None = Field(
+        default=None,
+        description="CSV file with columns polar, azimuth, thickness (degrees, degrees, m)",
+    )
     material: str | None = Field(default=None, description="name of a built-in elastomer")
     density: float = Field(
         gt=0, description="density of the rubber [kg/m^3]", json_schema_extra=_MATERIAL
@@ -97,10 +131,30 @@ class Diaphragm(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _fill_from_material(cls, given: Any) -> Any:
-        if not isinstance(given, dict) or not isinstance(given.get("material"), str):
+    def _fill_in(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
             return given
-        return named_material(given["material"]) | given
+        if isinstance(given.get("thickness_map"), str):
+            given = given | {"thickness": _mean_of_map(given)}
+        if isinstance(given.get("material"), str):
+            given = named_material(given["material"]) | given
+        return given
+
+    @property
+    def moulded_thickness(self) -> ThicknessMap | None:
+        """The map, None where the rubber is of one thickness.
+
+        ``TableError`` if the file has changed since the scene was read and is now wrong.
+        """
+        return None if self.thickness_map is None else read_thickness_map(Path(self.thickness_map))
+
+    @property
+    def thickness_range(self) -> tuple[float, float]:
+        """Least and largest thickness [m]."""
+        ridges = self.moulded_thickness
+        if ridges is None:
+            return self.thickness, self.thickness
+        return float(ridges.thickness.min()), float(ridges.thickness.max())
 
     @property
     def sheet(self) -> Sheet:

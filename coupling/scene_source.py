@@ -10,10 +10,12 @@ from coupling.scene_errors import SceneError
 
 SCENE_FILE = "scene.toml"
 
-# A name given on the command line replaces the numbers that the file gives in its place.
-_NUMBERS_OF_NAME: dict[tuple[str, ...], tuple[str, ...]] = {
+# A key given on the command line replaces those that the file gives in its place.
+_REPLACED_BY: dict[tuple[str, ...], tuple[str, ...]] = {
     ("liquid", "name"): ("density", "viscosity", "surface_tension"),
     ("diaphragm", "material"): ("density", "youngs_modulus", "poisson_ratio", "strength"),
+    ("diaphragm", "thickness"): ("thickness_map",),
+    ("diaphragm", "thickness_map"): ("thickness",),
 }
 
 
@@ -62,7 +64,7 @@ def apply_override(data: dict[str, Any], text: str) -> str:
         table = table.setdefault(key, {})
         if not isinstance(table, dict):
             raise SceneError([f"--set {text}: {key} is a value, not a section."])
-    for number in _NUMBERS_OF_NAME.get(tuple(keys), ()):
-        table.pop(number, None)
+    for replaced in _REPLACED_BY.get(tuple(keys), ()):
+        table.pop(replaced, None)
     table[keys[-1]] = parsed
     return dotted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -16,6 +17,7 @@ from cloth.thesis.sheet import STEP, ThesisSheet
 from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, RunFailed, Structure
 from coupling.scene import Scene
 
+HALVINGS = 3
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
 
@@ -31,6 +33,10 @@ class Diaphragm(Structure, Protocol):
         """Inner iterations of the last solve."""
 
     @property
+    def converged(self) -> bool:
+        """Whether the last solve kept the strain limit and the volume."""
+
+    @property
     def state(self) -> DiaphragmState:
         """The committed state."""
 
@@ -38,6 +44,8 @@ class Diaphragm(Structure, Protocol):
 def diaphragm_of(scene: Scene) -> Diaphragm:
     """The scene's diaphragm in its moulded shape.
 
+    A map's thickness is taken at the centroid of each moulded triangle. ``TableError`` if the map
+    has changed since the scene was read and is now wrong.
     A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell. The thesis'
     own steps are of 1 ms, or of ``time.step`` if that is shorter.
     """
@@ -59,9 +67,11 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
     stiffness: dict[str, Any] = {}
     if cloth.wrinkling == "resolved":
         stiffness["compressive_stiffness"] = None
+    mesh, ridges = hemisphere(radius, cloth.resolution), scene.diaphragm.moulded_thickness
     return Cloth(
-        mesh=hemisphere(radius, cloth.resolution),
+        mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
+        thickness=None if ridges is None else ridges.at(mesh.points[mesh.triangles].mean(axis=1)),
         shell_radius=radius,
         strain_limit=cloth.strain_limit,
         elastic=not scene.diaphragm.inextensible,
@@ -98,6 +108,36 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> N
             f"{outcome.steps} steps. Raise time.settle, or lower cloth.resolution."
         )
     cloth.held = scene.diaphragm.held
+
+
+def advance(
+    cloth: Diaphragm,
+    now: float,
+    dt: float,
+    load: Callable[[float], HydrostaticLoad],
+    *,
+    halvings: int = HALVINGS,
+) -> int:
+    """Take ``cloth`` from ``now`` to ``now + dt`` [s] under ``load(time)`` alone; steps it took.
+
+    A step that does not converge is taken again as two of half its length, ``halvings`` times at
+    most; the last is accepted as it is (``cloth.converged`` says how), unless it diverges.
+    Raises ArithmeticError then.
+    """
+    cloth.begin_step(dt, load(now + dt))
+    try:
+        cloth.solve(np.zeros_like(cloth.reference))
+        good = cloth.converged or halvings == 0
+    except ArithmeticError:
+        if halvings == 0:
+            raise
+        good = False
+    if good:
+        cloth.accept_step()
+        return 1
+    half = 0.5 * dt
+    first = advance(cloth, now, half, load, halvings=halvings - 1)
+    return first + advance(cloth, now + half, half, load, halvings=halvings - 1)
 
 
 def liquid_cg(position: Array, triangles: Ints, radius: float, volume: float) -> Array:

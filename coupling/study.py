@@ -16,7 +16,7 @@ from coupling.metrics.comparison import Errors, below, compare
 from coupling.ports import RunFailed
 from coupling.report import write_report
 from coupling.results import read_results
-from coupling.scene import Scene, load_scene
+from coupling.scene import Scene, load_scene, same_content
 from coupling.scene_errors import SceneError
 
 LADDER = ("datum", "hydrostatic", "potential", "openfoam")
@@ -113,9 +113,7 @@ def _same_scene(scene: Scene, folder: Path) -> bool:
         there = load_scene(folder)
     except SceneError:  # of another version, or a doubled step beyond the limit
         return False
-    tables = [Path(one.motion.file).read_bytes() for one in (scene, there) if one.motion.file]
-    unplaced = [_with(one, "motion", file=None) for one in (scene, there)]
-    return unplaced[0] == unplaced[1] and len(set(tables)) <= 1
+    return same_content(scene, there)
 
 
 def read_summary(folder: Path) -> dict[str, Any]:

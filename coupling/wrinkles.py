@@ -23,9 +23,13 @@ def elasto_gravity_wavelength(*, bending_stiffness: float, density: float, gravi
 
 
 def shortest_wavelength(diaphragm: Diaphragm, liquid: Liquid, gravity: Array) -> float:
-    """Elasto-gravity wavelength [m] under ``gravity`` (3,) [m/s^2]."""
+    """Elasto-gravity wavelength [m] under ``gravity`` (3,) [m/s^2], where the rubber is thinnest.
+
+    Shaking presses harder than gravity and shortens it, as the fourth root: by 14 % at 1.8 g.
+    """
+    thinnest, _ = diaphragm.thickness_range
     return elasto_gravity_wavelength(
-        bending_stiffness=diaphragm.sheet.bending_stiffness,
+        bending_stiffness=float(diaphragm.sheet.bending_stiffness_at(np.array(thinnest))),
         density=liquid.density,
         gravity=float(np.linalg.norm(gravity)),
     )

@@ -60,6 +60,14 @@ def table(text: str) -> Callable[[Path], None]:
     return prepare
 
 
+def ridges(text: str) -> Callable[[Path], None]:
+    def prepare(place: Path) -> None:
+        (place / "case" / "ridges.csv").write_text(text)
+        replace("thickness = 0.001778", 'thickness_map = "ridges.csv"')(place)
+
+    return prepare
+
+
 def void(_: object) -> None:
     return None
 
@@ -120,6 +128,34 @@ WRONG = {
     ),
     "wrong table": (table("0,0,0,0\n1,x,0,0"), "run case", "line 2: must hold four finite"),
     "table too short": (table("0,0,0,0\n0.9,0,0,0"), "run case", "must cover 0 to 1 s"),
+    "no map": (
+        replace("thickness = 0.001778", 'thickness_map = "no.csv"'),
+        "run case",
+        "diaphragm.thickness_map: ",
+    ),
+    "wrong map": (ridges("0,0,0.001\n90,0,thick"), "run case", "ridges.csv: line 2: must hold"),
+    "map that ends early": (ridges("0,0,0.001\n80,0,0.001"), "check case", "covers 0 to 80"),
+    "map with a hole": (
+        ridges("0,0,0.001\n90,0,0.001\n90,90,0.001"),
+        "run case",
+        "ridges.csv: polar 0, azimuth 90 is missing",
+    ),
+    "map in millimetres": (ridges("0,0,1.8\n90,0,1.8"), "check case", "Give metres"),
+    "thickness beside a map": (
+        replace("thickness =", 'thickness_map = "ridges.csv"\nthickness ='),
+        "run case",
+        "diaphragm.thickness: is the mean of thickness_map",
+    ),
+    "grid too coarse for its wrinkles": (
+        nothing,
+        "check case --set cloth.wrinkling=resolved",
+        "Give cloth.resolution = 41 or more",
+    ),
+    "compliance in the thesis' grid": (
+        replace('"hydrostatic"', '"datum"\n[cloth]\ngrid = "thesis"'),
+        "run case --set diaphragm.inextensible=false",
+        "diaphragm.inextensible: must be true",
+    ),
     "unwritable output": (a_file_in_the_way, "run case -o taken/run", "cannot be written"),
     "output is a file": (a_file_in_the_way, "run case -o taken", "cannot be written"),
     "output in use": (an_old_run, "run case -o old", "Go on with it: edt resume old"),
