@@ -6,10 +6,13 @@ Nothing here is a result: estimates from formulas and from one table of exact sl
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from coupling.motion_table import read_motion_table
 from coupling.scene import Scene
 from coupling.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
 
@@ -78,10 +81,32 @@ def froude_number(*, frequency: float, radius: float, gravity: float) -> float:
 
 
 def membrane_parameter(
-    *, density: float, gravity: float, radius: float, youngs_modulus: float, thickness: float
+    *, density: float, body_force: float, radius: float, youngs_modulus: float, thickness: float
 ) -> float:
-    """rho g R^2/(E t): the strain of a diaphragm that carries the liquid by tension."""
-    return density * gravity * radius**2 / (youngs_modulus * thickness)
+    """rho b R^2/(E t): the strain of a diaphragm that carries the liquid by tension.
+
+    ``body_force`` b [m/s^2], the largest of the motion: 0.13 at rest and 0.24 in the thesis' pad
+    sway (its Table 5). It estimates what inextensibility leaves out where the diaphragm is taut;
+    where the shell carries the liquid the strain is far less.
+    """
+    return density * body_force * radius**2 / (youngs_modulus * thickness)
+
+
+def largest_body_force(scene: Scene) -> float:
+    """Largest |g - a| [m/s^2] of the motion, a the tank's acceleration.
+
+    ``sine``: a = A (2 pi f)^2 either way along its direction; what the smooth start adds is left
+    out. ``table``: the largest of its lines, within the run or not.
+    ``TableError`` if the table has changed since the scene was read and is now wrong.
+    """
+    motion, gravity = scene.motion, np.array(scene.gravity)
+    accelerations = np.zeros((1, 3))
+    if motion.kind == "sine" and motion.amplitude and motion.frequency:
+        peak = motion.amplitude * (2.0 * np.pi * motion.frequency) ** 2
+        accelerations = np.outer([peak, -peak], motion.unit_direction)
+    elif motion.kind == "table" and motion.file:
+        accelerations = read_motion_table(Path(motion.file)).acceleration
+    return float(np.linalg.norm(gravity - accelerations, axis=1).max())
 
 
 def added_mass_ratio(
@@ -118,9 +143,9 @@ def openfoam_error(cells: int) -> float:
 class Numbers:
     """What can be said of a scene without running it.
 
-    Frequencies [Hz], wavelength and grid spacing [m], the rest dimensionless. None where the scene
-    leaves it open: no surface tension, no single frequency. ``wrinkling_allowed`` is "resolved"
-    where the cloth's grid has the ``rings_to_resolve``, else "relaxed".
+    Frequencies [Hz], body force [m/s^2], wavelength and spacing [m], the rest dimensionless; None
+    without a surface tension or a single frequency. Of a thickness map the mean counts, for the
+    wrinkles the least. ``wrinkling_allowed``: "resolved" from ``rings_to_resolve`` on.
     """
 
     level: float
@@ -130,6 +155,7 @@ class Numbers:
     bond: float | None
     weber: float | None
     froude: float | None
+    largest_body_force: float
     membrane_parameter: float
     elasto_gravity_wavelength: float
     folds_round_the_rim: float
@@ -152,7 +178,7 @@ def _driving_frequency(scene: Scene) -> float | None:
     return frequencies[scene.motion.kind]
 
 
-def _similarity(scene: Scene, gravity: float, frequency: float | None) -> dict[str, float | None]:
+def _similarity(scene: Scene, gravity: float, frequency: float | None) -> dict[str, Any]:
     """Bond, Weber and Froude numbers, None where sigma or the frequency is not known."""
     radius, density = scene.tank.radius, scene.liquid.density
     bond = weber = froude = None
@@ -168,6 +194,21 @@ def _similarity(scene: Scene, gravity: float, frequency: float | None) -> dict[s
     return {"bond": bond, "weber": weber, "froude": froude}
 
 
+def _wrinkles(scene: Scene) -> dict[str, Any]:
+    """How long the wrinkles are, and whether the cloth's grid can show them."""
+    radius = scene.tank.radius
+    wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
+    rings = rings_to_resolve(radius, wavelength)
+    fine = scene.cloth.grid == "rings" and scene.cloth.rings >= rings
+    return {
+        "elasto_gravity_wavelength": wavelength,
+        "folds_round_the_rim": 2.0 * float(np.pi) * radius / wavelength,
+        "grid_spacing": grid_spacing(radius, scene.cloth),
+        "rings_to_resolve": rings,
+        "wrinkling_allowed": "resolved" if fine else "relaxed",
+    }
+
+
 def numbers_of(scene: Scene) -> Numbers:
     """Dimensionless numbers and estimated model errors of ``scene``.
 
@@ -176,31 +217,25 @@ def numbers_of(scene: Scene) -> Numbers:
     """
     radius, density, rubber = scene.tank.radius, scene.liquid.density, scene.diaphragm
     gravity = float(np.linalg.norm(scene.gravity))
+    body_force = largest_body_force(scene)
     level = level_of_fill_fraction(scene.liquid.fill_fraction)
     f1 = slosh_frequency(radius=radius, gravity=gravity, fill_fraction=scene.liquid.fill_fraction)
     f = _driving_frequency(scene)
     error = None if f is None else hydrostatic_error(f, f1)
-    wavelength = shortest_wavelength(rubber, scene.liquid, np.array(scene.gravity))
-    rings = rings_to_resolve(radius, wavelength)
-    fine = scene.cloth.grid == "rings" and scene.cloth.rings >= rings
     enough = error is not None and error < HYDROSTATIC_IS_ENOUGH
     return Numbers(
         level=level,
         slosh_frequency=f1,
         frequency=f,
         frequency_ratio=None if f is None else f / f1,
+        largest_body_force=body_force,
         membrane_parameter=membrane_parameter(
             density=density,
-            gravity=gravity,
+            body_force=body_force,
             radius=radius,
             youngs_modulus=rubber.youngs_modulus,
             thickness=rubber.thickness,
         ),
-        elasto_gravity_wavelength=wavelength,
-        folds_round_the_rim=2.0 * float(np.pi) * radius / wavelength,
-        grid_spacing=grid_spacing(radius, scene.cloth),
-        rings_to_resolve=rings,
-        wrinkling_allowed="resolved" if fine else "relaxed",
         added_mass_ratio=added_mass_ratio(
             density=density,
             radius=radius,
@@ -211,4 +246,5 @@ def numbers_of(scene: Scene) -> Numbers:
         openfoam_error=openfoam_error(scene.openfoam.cells),
         advised="hydrostatic" if enough else "openfoam",
         **_similarity(scene, gravity, f),
+        **_wrinkles(scene),
     )

@@ -140,7 +140,8 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
         "bond": "Bond number",
         "weber": "Weber number",
         "froude": "Froude number",
-        "membrane_parameter": "rho g R^2/(E t)",
+        "largest_body_force": "largest body force b [m/s^2]",
+        "membrane_parameter": "rho b R^2/(E t)",
         "elasto_gravity_wavelength": "elasto-gravity wavelength [m]",
         "folds_round_the_rim": "folds round the rim",
         "grid_spacing": "spacing of the cloth's grid [m]",
@@ -157,6 +158,11 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
     ]
     print_table("estimates", ("fluid model", "relative error", "wall time [s]"), estimates)
     print("hydrostatic error: (f/f1)^2. datum: besides, its volume of liquid drifts.")
+    left_out = ", which inextensibility leaves out" if scene.diaphragm.inextensible else ""
+    print(
+        f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "
+        f"is taut{left_out}."
+    )
     if scene.liquid.fill_fraction < LOWEST_MESHED_FILL:
         print(
             f"openfoam: below a fill fraction of {LOWEST_MESHED_FILL:g} no mesh has been found at "

@@ -260,6 +260,18 @@ def test_check_advises_a_model(case: Path):
     assert values["numbers"]["bond"] == pytest.approx(997 * 9.81 * 0.4445**2 / 0.073)
 
 
+def test_check_says_what_the_cloth_leaves_out(case: Path):
+    result = edt("check", case)
+    shown = " ".join(result.stdout.replace("│", " ").split())
+    values = json.loads(edt("check", case, "--json").stdout)["numbers"]
+    assert f"spacing of the cloth's grid [m] {values['grid_spacing']:.4g}" in shown
+    assert "finest wrinkling on this grid relaxed" in shown
+    taut = f"a strain of about {values['membrane_parameter']:.2g} where the diaphragm is taut"
+    assert f"{taut}, which inextensibility leaves out." in shown
+    elastic = " ".join(edt("check", case, "--set", "diaphragm.inextensible=false").stdout.split())
+    assert f"{taut}." in elastic
+
+
 def test_verify_prints_a_case_as_json_and_as_a_table():
     values = json.loads(edt("verify", "numbers", "--json").stdout)
     assert sorted(values) == ["case", "options", "quantities", "wall_s"]
