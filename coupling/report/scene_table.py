@@ -27,7 +27,10 @@ def scene_tables(run: RunFiles) -> list[Table]:
         ["Fill fraction", number(liquid.fill_fraction)],
         ["Liquid", f"{liquid.name or ''} {number(liquid.density, 'kg/m³', 4)}".strip()],
         ["Kinematic viscosity", number(liquid.viscosity, "m²/s")],
-        ["Diaphragm’s thickness", number(1e3 * rubber.thickness, "mm", 4)],
+        [
+            "Diaphragm’s thickness" + (", mean" if rubber.thickness_map else ""),
+            number(1e3 * rubber.thickness, "mm", 4),
+        ],
         ["Diaphragm’s density", number(rubber.density, "kg/m³", 4)],
         ["Young’s modulus", number(rubber.youngs_modulus / 1e6, "MPa")],
         ["Shaking", shaking],
@@ -42,7 +45,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
         ["Neglected term by the rule (f/f₁)²", percent(numbers.hydrostatic_error)],
         ["Bond number", number(numbers.bond)],
         ["Weber number", number(numbers.weber)],
-        ["ρgR²/(Et)", number(numbers.membrane_parameter)],
+        ["ρbR²/(Et), b the largest body force", number(numbers.membrane_parameter)],
         ["Wrinkle wavelength", number(1e3 * numbers.elasto_gravity_wavelength, "mm")],
         ["Added over rubber mass", number(numbers.added_mass_ratio)],
     ]
