@@ -15,7 +15,8 @@ from cloth.linear import System
 from cloth.load import Load, Settings
 from cloth.model import ClothModel
 
-VOLUME_TOLERANCE = 1e-13
+VOLUME_TOLERANCE = 1e-13  # relative, aimed at
+VOLUME_ALLOWED = 1e-8  # relative, above which a step counts as not converged
 RESPONSE_EVERY = 4  # iterations between two of the volume's answers to the datum
 STRAIN_MARGIN = 0.8  # of the limit, from where on a triangle is drawn together
 SWEEPS = 50  # at most
@@ -45,7 +46,10 @@ class StepProblem:
 
 @dataclass(kw_only=True)
 class Solution:
-    """The end of a step: see ``cloth.state`` for the names; ``iterations`` done."""
+    """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
+
+    ``converged``: the strain limit and the volume are kept.
+    """
 
     position: Array
     tension: Array
@@ -55,6 +59,7 @@ class Solution:
     strain: Array
     change: float
     iterations: int
+    converged: bool
 
 
 def constant_force(
@@ -161,15 +166,19 @@ class Iteration:
             kernels.principal_strains(x, model.triangles, model.gradients, strain)
         if not np.all(np.isfinite(x)):
             raise self._diverged("the position is no longer finite")
+        volume, wanted = model.volume(x), p.load.volume
+        drift = 0.0 if wanted is None else abs(volume / wanted - 1.0)
+        short = model.elastic or float(strain.max()) <= p.strain_limit
         return Solution(
             position=x,
             tension=self.u * self.penalty[:, None, None],
             contact_force=self.uc * self.weight[:, None],
             datum=self.datum,
-            volume=model.volume(x),
+            volume=volume,
             strain=strain,
             change=self.change,
             iterations=self.done,
+            converged=short and drift <= VOLUME_ALLOWED,
         )
 
     def _shortened(self, x: Array) -> Array:
@@ -213,15 +222,14 @@ class Iteration:
 def iterate(problem: StepProblem, force: Array, count: int | None) -> Solution:
     """Solve the step under nodal ``force`` (n, 3) [N].
 
-    ``count`` iterations; None: as many as the strain limit asks for, within the settings' bounds.
+    ``count`` iterations; None: as many as it takes to converge, within the settings' bounds.
     Raises ArithmeticError when the iteration diverges.
     """
     settings, run = problem.settings, Iteration(problem, force)
     for _ in range(settings.iterations if count is None else count):
         run.advance()
     solution = run.finish()
-    limit = np.inf if problem.model.elastic else problem.strain_limit
-    while count is None and run.done < settings.iterations_max and solution.strain.max() > limit:
+    while count is None and run.done < settings.iterations_max and not solution.converged:
         run.advance()
         solution = run.finish()
     return solution

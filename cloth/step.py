@@ -152,6 +152,11 @@ class Cloth:
         """Inner iterations of the last solve of this step, 0 before the first."""
         return 0 if self._solution is None else self._solution.iterations
 
+    @property
+    def converged(self) -> bool:
+        """Whether the last solve of this step kept the strain limit and the volume."""
+        return self._solution is None or self._solution.converged
+
     def solve(self, force: Array) -> Array:
         """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 

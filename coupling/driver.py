@@ -26,7 +26,9 @@ from coupling.results import ResultsWriter, read_results
 from coupling.sampling import flow_metrics, sample_at
 from coupling.scene import Scene, load_scene, scene_toml, write_scene
 from coupling.schemes import scheme_named
-from coupling.structure import diaphragm_of, settle_diaphragm
+from coupling.strength import burst_warning
+from coupling.structure import advance, diaphragm_of, settle_diaphragm
+from coupling.tally import Tally
 
 Progress = Callable[[str, float, float, str], None]
 _log = logging.getLogger(__name__)
@@ -60,7 +62,8 @@ class _Run:
         self.motion = motion_of(scene)
         self.model = load_model(scene)
         self.cloth = diaphragm_of(scene)
-        self.statistics = RunStatistics()
+        self.tally = Tally(scene, self.cloth.thickness)
+        self.burst = burst_warning(scene)
         self.coupled: CoupledStep | None = None
         self.clock = perf_counter()
 
@@ -74,16 +77,18 @@ class _Run:
         return self._guarded(self._begin)
 
     def _begin(self) -> None:
+        if self.burst is not None:
+            _log.warning("%s The run goes on with a sheet that cannot.", self.burst)
         self.progress("settle", 0.0, self.scene.time.settle, "the diaphragm sinks to its level")
         clock = perf_counter()
         settle_diaphragm(self.cloth, self.scene, self._load(0.0, at_rest=True))
-        self._count("structure", clock)
+        self.tally.seconds("structure", clock)
         self.progress("settle", self.scene.time.settle, self.scene.time.settle, "settled")
         self._couple()
         if self.coupled is not None:
             clock = perf_counter()
             start_flow(self.flow, self.mapping, self.scene, self.cloth)
-            self._count("fluid", clock)
+            self.tally.seconds("fluid", clock)
         self._write(self._sample(0.0, None, 0, 0.0))
         self._save(0)
         self._loop(0)
@@ -95,8 +100,8 @@ class _Run:
         time = step * self.scene.time.step
         self.results = ResultsWriter.resume(self.folder, until=time)
         self.iterations = IterationLog.resume(self.folder, until=time)
-        self.statistics = RunStatistics(**attributes["statistics"])
-        self.clock -= self.statistics.wall_s
+        self.tally.statistics = RunStatistics(**attributes["statistics"])
+        self.clock -= self.tally.statistics.wall_s
 
         def begin() -> None:
             self.cloth.restore(parts["settled"])
@@ -138,11 +143,8 @@ class _Run:
         for step in range(first, time.steps):
             now, after = step * time.step, (step + 1) * time.step
             flow, iterations, residual = self._advance(now, after)
-            self.statistics.steps = step + 1
-            self.statistics.simulated_s = after
-            state = self.cloth.state
-            strain = float(state.strain.max(initial=0.0))
-            self._count_strain(after, strain)
+            self.tally.statistics.steps = step + 1
+            self.tally.statistics.simulated_s = after
             if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
                 self._write(self._sample(after, flow, iterations, residual))
             if (step + 1) % time.checkpoint_every == 0:
@@ -151,43 +153,22 @@ class _Run:
 
     def _advance(self, now: float, after: float) -> tuple[FlowSample | None, int, float]:
         """One step; counts what it took. Raises RunFailed when too many did not converge."""
-        dt = self.scene.time.step
-        load = self._load(after)
+        dt, tally = self.scene.time.step, self.tally
         if self.coupled is None:
             clock = perf_counter()
-            self.cloth.begin_step(dt, load)
-            self.cloth.solve(np.zeros_like(self.cloth.reference))
-            self.cloth.accept_step()
-            self._count("structure", clock)
-            self._count_volume(abs(self.cloth.state.volume / self.scene.liquid_volume - 1.0))
+            steps = advance(self.cloth, now, dt, self._load)
+            tally.seconds("structure", clock)
+            state = self.cloth.state
+            tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
+            tally.structure(after, state, converged=self.cloth.converged, steps=steps)
             return None, 1, 0.0
-        outcome = self.coupled.advance(now, dt, load)
+        outcome = self.coupled.advance(now, dt, self._load(after))
         for part, seconds in self.coupled.wall.items():
-            self.statistics.wall_by_part[part] += seconds
+            tally.statistics.wall_by_part[part] += seconds
             self.coupled.wall[part] = 0.0
-        statistics, flow = self.statistics, outcome.sample
-        statistics.iterations_total += outcome.iterations
-        statistics.iterations_max = max(statistics.iterations_max, outcome.iterations)
-        statistics.speed_max = max(statistics.speed_max or 0.0, flow.speed_max)
-        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, flow.dphi_dt_max)
-        self._count_volume(flow.volume_error)
-        if not outcome.converged:
-            self._unconverged(after, outcome.residual, outcome.iterations)
-        return flow, outcome.iterations, outcome.residual
-
-    def _unconverged(self, time: float, residual: float, iterations: int) -> None:
-        coupling = self.scene.coupling
-        self.statistics.unconverged_steps += 1
-        message = (
-            f"t = {time:.6g} s: the coupling left a relative residual of {residual:.1e} after "
-            f"{iterations} iterations (tolerance {coupling.tolerance:g})."
-        )
-        _log.warning(message)
-        if self.statistics.unconverged_steps > coupling.max_unconverged:
-            raise RunFailed(
-                f"{message} {self.statistics.unconverged_steps} steps did not converge. Halve "
-                "time.step, raise coupling.max_iterations, or take coupling.scheme = 'added-mass'."
-            )
+        tally.coupling(after, outcome)
+        tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=1)
+        return outcome.sample, outcome.iterations, outcome.residual
 
     def _load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:
         shaking = np.zeros(3) if at_rest else self.motion.acceleration(time)
@@ -213,32 +194,16 @@ class _Run:
     def _text(self, iterations: int) -> str:
         if self.coupled is None:
             return ""
-        mean = self.statistics.iterations_total / max(self.statistics.steps, 1)
+        mean = self.tally.statistics.iterations_total / max(self.tally.statistics.steps, 1)
         text = f"{iterations} iteration{'s'[: iterations > 1]}, mean {mean:.1f}"
-        if self.statistics.unconverged_steps:
-            text += f", {self.statistics.unconverged_steps} steps unconverged"
+        if self.tally.statistics.unconverged_steps:
+            text += f", {self.tally.statistics.unconverged_steps} steps unconverged"
         return text
-
-    def _count(self, part: str, since: float) -> None:
-        self.statistics.wall_by_part[part] += perf_counter() - since
-
-    def _count_strain(self, time: float, strain: float) -> None:
-        """A new largest strain beyond the limit is said: the inner iterations did not suffice."""
-        limit = self.scene.cloth.strain_limit
-        if strain > max(limit, self.statistics.strain_tensile_max):
-            _log.warning(
-                "t = %.6g s: the largest tensile strain is %.2e, above cloth.strain_limit %g. "
-                "Raise cloth.iterations, or halve time.step.", time, strain, limit,
-            )  # fmt: skip
-        self.statistics.strain_tensile_max = max(self.statistics.strain_tensile_max, strain)
-
-    def _count_volume(self, error: float) -> None:
-        self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
 
     def _write(self, sample: Sample) -> None:
         clock = perf_counter()
         self.results.append(sample)
-        self._count("output", clock)
+        self.tally.seconds("output", clock)
 
     def _save(self, step: int) -> None:
         """Results first, then the checkpoint: it never knows more than they do."""
@@ -251,9 +216,9 @@ class _Run:
             parts["flow"] = self.flow.save()
             parts["scheme"] = self.coupled.scheme.save()
             parts["coupled"] = self.coupled.save()
-        self._count("output", clock)
-        self.statistics.wall_s = perf_counter() - self.clock
-        attributes = {"step": step, "statistics": self.statistics.to_dict()}
+        self.tally.seconds("output", clock)
+        self.tally.statistics.wall_s = perf_counter() - self.clock
+        attributes = {"step": step, "statistics": self.tally.statistics.to_dict()}
         checkpoint.save_checkpoint(self.folder / "checkpoint.h5", parts, attributes)
 
     def _guarded(self, body: Callable[[], None]) -> dict[str, Any]:
@@ -261,8 +226,9 @@ class _Run:
         try:
             body()
         except (RunFailed, ArithmeticError) as error:  # the latter from the diaphragm's own solver
-            _log.error("%s", error)
-            return self._finish("failed", str(error))
+            reason = str(error) if self.burst is None else f"{error} {self.burst}"
+            _log.error("%s", reason)
+            return self._finish("failed", reason)
         except KeyboardInterrupt:
             self._finish("interrupted", "interrupted by the user")
             raise
@@ -274,9 +240,9 @@ class _Run:
         except RunFailed as failure:  # a full disk: what was flushed before stays readable
             status, error = "failed", error or str(failure)
         self.iterations.close()
-        self.statistics.wall_s = perf_counter() - self.clock
+        self.tally.statistics.wall_s = perf_counter() - self.clock
         results = read_results(self.folder)
-        summary = summarise(results, self.statistics, self.scene, status, error)
+        summary = summarise(results, self.tally.statistics, self.scene, status, error)
         write_json(self.folder / "summary.json", summary)
         return summary
 

@@ -245,6 +245,7 @@ class RunStatistics:
     iterations_total: int = 0
     iterations_max: int = 0
     unconverged_steps: int = 0
+    halved_steps: int = 0
     speed_max: float | None = None
     dphi_dt_max: float | None = None
 

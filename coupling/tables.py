@@ -14,6 +14,7 @@ from rich.table import Table
 from coupling.cost import run_cost
 from coupling.numbers import Numbers
 from coupling.scene import Scene
+from coupling.strength import burst_warning
 from coupling.verify import VerifyResult
 
 LOWEST_MESHED_FILL = 0.25  # of the settled diaphragm at 400 cells and 12 rings
@@ -163,6 +164,9 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "
         f"is taut{left_out}."
     )
+    burst = burst_warning(scene)
+    if burst is not None:
+        print(burst)
     if scene.liquid.fill_fraction < LOWEST_MESHED_FILL:
         print(
             f"openfoam: below a fill fraction of {LOWEST_MESHED_FILL:g} no mesh has been found at "

@@ -43,6 +43,7 @@ def summarise(
         "strain_tensile_max": statistics.strain_tensile_max,
         "tension_max_N_per_m": statistics.tension_max,
         "stress_max_Pa": statistics.stress_max,
+        "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,
         "coupling": {
             "scheme": scene.coupling.scheme,

@@ -1,0 +1,85 @@
+"""What a run counts and says as it goes, and when it has to stop."""
+
+from __future__ import annotations
+
+import logging
+from time import perf_counter
+
+from coupling.coupled_step import StepOutcome
+from coupling.ports import Array, DiaphragmState, RunFailed, RunStatistics
+from coupling.scene import Scene
+
+_log = logging.getLogger(__name__)
+
+
+class Tally:
+    """``statistics`` of a run, with a word in the log where a limit is passed.
+
+    ``thickness`` (m,) [m] of the diaphragm's triangles.
+    """
+
+    def __init__(self, scene: Scene, thickness: Array) -> None:
+        self.scene, self.thickness = scene, thickness
+        self.statistics = RunStatistics()
+
+    def seconds(self, part: str, since: float) -> None:
+        """Add the wall time since ``since`` (a ``perf_counter``) to ``part``."""
+        self.statistics.wall_by_part[part] += perf_counter() - since
+
+    def structure(self, time: float, state: DiaphragmState, *, converged: bool, steps: int) -> None:
+        """The diaphragm's end of a step, which it took ``steps`` parts for."""
+        strain = float(state.strain.max(initial=0.0))
+        statistics = self.statistics
+        statistics.strain_tensile_max = max(statistics.strain_tensile_max, strain)
+        statistics.halved_steps += steps > 1
+        self._stress(time, state.tension)
+        if not converged:
+            limit = self.scene.cloth.strain_limit
+            self._unconverged(
+                f"t = {time:.6g} s: the diaphragm's solver left a tensile strain of {strain:.2e} "
+                f"(cloth.strain_limit {limit:g}).",
+                "Raise cloth.iterations, or halve time.step.",
+            )
+
+    def _stress(self, time: float, tension: Array) -> None:
+        """The first time that the rubber would tear is said; the sheet of the model cannot."""
+        statistics = self.statistics
+        stress = float((tension / self.thickness).max())
+        strength = self.scene.diaphragm.strength
+        if strength is not None and statistics.stress_max <= strength < stress:
+            _log.warning(
+                "t = %.6g s: the tension reaches %.3g N/m, a stress of %.3g MPa, above "
+                "diaphragm.strength of %.3g MPa: the rubber would burst. What follows is that of "
+                "a sheet that cannot. Take a thicker diaphragm, or a gentler motion.",
+                time, tension.max(), 1e-6 * stress, 1e-6 * strength,
+            )  # fmt: skip
+        statistics.tension_max = max(statistics.tension_max, float(tension.max()))
+        statistics.stress_max = max(statistics.stress_max, stress)
+
+    def volume(self, error: float) -> None:
+        """Relative ``error`` of the liquid's volume after a step."""
+        self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
+
+    def coupling(self, time: float, outcome: StepOutcome) -> None:
+        """A coupled step; raises ``RunFailed`` when too many did not converge."""
+        statistics, flow, coupling = self.statistics, outcome.sample, self.scene.coupling
+        statistics.iterations_total += outcome.iterations
+        statistics.iterations_max = max(statistics.iterations_max, outcome.iterations)
+        statistics.speed_max = max(statistics.speed_max or 0.0, flow.speed_max)
+        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, flow.dphi_dt_max)
+        self.volume(flow.volume_error)
+        if not outcome.converged:
+            self._unconverged(
+                f"t = {time:.6g} s: the coupling left a relative residual of "
+                f"{outcome.residual:.1e} after {outcome.iterations} iterations (tolerance "
+                f"{coupling.tolerance:g}).",
+                "Halve time.step, raise coupling.max_iterations, or take coupling.scheme = "
+                "'added-mass'.",
+            )
+
+    def _unconverged(self, message: str, mend: str) -> None:
+        self.statistics.unconverged_steps += 1
+        _log.warning(message)
+        if self.statistics.unconverged_steps > self.scene.coupling.max_unconverged:
+            count = self.statistics.unconverged_steps
+            raise RunFailed(f"{message} {count} steps did not converge. {mend}")
