@@ -30,6 +30,16 @@ def shell_limits(mesh: Mesh, position: Array, radius: float | None, clearance: f
     return np.asarray(radius - np.minimum(clearance, WEDGE * depth))
 
 
+def pressed(position: Array, contact_force: Array, limit: Array, reach: float) -> Bools:
+    """Nodes (n,) within ``reach`` [m] of their ``limit`` whose ``contact_force`` points outward.
+
+    ``contact_force`` (n, 3) [N] is what the sheet exerts on the shell (and on itself, elsewhere).
+    """
+    gap = limit - np.linalg.norm(position, axis=1)
+    outward = np.einsum("id,id->i", contact_force, position)
+    return np.asarray((gap < reach) & (outward > 0.0))
+
+
 def slid(start: Array, end: Array, pressed: Bools) -> Array:
     """Way (n,) [m] along the shell from ``start`` to ``end`` (n, 3) of the nodes ``pressed`` on it.
 

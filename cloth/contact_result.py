@@ -18,15 +18,17 @@ NEAR = 1.5  # thicknesses up to which nodes are kept out of what follows
 class Contact:
     """The end of a step without crossings.
 
-    ``position`` (n, 3) [m]. Touching pairs: ``pairs`` (k, 5), kind (``cloth.proximity``) and four
-    nodes; ``weights`` (k, 4) of their nearest points; ``normal`` (k, 3) from the second side to
-    the first; ``gap`` (k,) between mid-surfaces [m]; ``slip`` (k, 3) [m], the first side's motion
-    along the second during the step. ``near`` (n,): nodes of pairs within 1.5 thicknesses, and
-    those ``held``. ``moved`` [m], the largest correction; ``rigid`` and ``held`` (n,): nodes that
-    the fail-safe moved as rigid zones or left where they started. ``failed``: pairs (k, 2)
-    of triangles that crossed at the start and were let through: then the end may cross too.
+    ``thickness`` [m]; ``position`` (n, 3) [m]. Touching pairs: ``pairs`` (k, 5), kind
+    (``cloth.proximity``) and four nodes; ``weights`` (k, 4) of their nearest points; ``normal``
+    (k, 3) from the second side to the first; ``gap`` (k,) between mid-surfaces [m]; ``slip``
+    (k, 3) [m], the first side's motion along the second during the step. ``near`` (n,): nodes of
+    pairs within 1.5 thicknesses, and those ``held``. ``moved`` [m], the largest correction;
+    ``rigid`` and ``held`` (n,): nodes that the fail-safe moved as rigid zones or left where they
+    started. ``failed``: pairs (k, 2) of triangles that crossed at the start and were let through:
+    then the end may cross too.
     """
 
+    thickness: float
     position: Array
     pairs: Ints
     weights: Array
@@ -48,13 +50,13 @@ class Contact:
         np.add.at(weight, self.pairs[:, 1:], size)
         return np.asarray(total / np.maximum(weight, 1e-30))
 
-    def planes(self, thickness: float) -> Planes:
-        """The touching pairs' half-spaces: their gap, where that is less than ``thickness`` [m]."""
+    def planes(self) -> Planes:
+        """The touching pairs' half-spaces: their gap, where less than the thickness."""
         return Planes(
             nodes=self.pairs[:, 1:].copy(),
             weights=self.weights,
             normal=self.normal,
-            rest=np.minimum(self.gap, thickness),
+            rest=np.minimum(self.gap, self.thickness),
         )
 
 
@@ -83,6 +85,7 @@ def touching(
     between = np.einsum("ki,kid->kd", weights, (position - start)[pairs[on, 1:]])
     along = np.einsum("kd,kd->k", between, normal)[:, None] * normal
     return Contact(
+        thickness=thickness,
         position=position,
         pairs=pairs[on],
         weights=weights,

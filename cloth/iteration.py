@@ -10,23 +10,24 @@ import numpy as np
 from cloth import kernels
 from cloth.arrays import Array
 from cloth.contact import clamp_to_shell
+from cloth.contact_planes import Planes
+from cloth.contact_result import Contact
+from cloth.ending import Bounds, VolumeLostError, ending
 from cloth.inertia import Kinematics
 from cloth.linear import System
 from cloth.load import Load, Settings
 from cloth.model import ClothModel
 
-VOLUME_TOLERANCE = 1e-13  # relative, aimed at
-VOLUME_ALLOWED = 1e-8  # relative, above which a step counts as not converged
 RESPONSE_EVERY = 4  # iterations between two of the volume's answers to the datum
-STRAIN_MARGIN = 0.8  # of the limit, from where on a triangle is drawn together
-SWEEPS = 50  # at most
+CONTACT_EVERY = 10  # further iterations between two looks at what touches
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepProblem:
     """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate.
 
-    ``start`` (n, 3) [m] and ``datum`` [Pa] are where the iteration sets out.
+    ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
+    the iteration sets out.
     """
 
     model: ClothModel
@@ -35,6 +36,7 @@ class StepProblem:
     dt: float
     kin: Kinematics
     load: Load
+    committed: Array
     start: Array
     datum: float
     tension: Array
@@ -48,6 +50,7 @@ class StepProblem:
 class Solution:
     """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
 
+    ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
     ``converged``: the strain limit and the volume are kept.
     """
 
@@ -59,6 +62,8 @@ class Solution:
     strain: Array
     change: float
     iterations: int
+    contact: Contact | None
+    planes: Planes | None
     converged: bool
 
 
@@ -90,9 +95,9 @@ def constant_force(
 class Iteration:
     """One solve in progress: the iterate ``x`` (n, 3) and the duals of both constraints."""
 
-    def __init__(self, problem: StepProblem, force: Array) -> None:
+    def __init__(self, problem: StepProblem, force: Array, planes: Planes | None) -> None:
         p, model = problem, problem.model
-        self.problem = p
+        self.problem, self.planes = p, planes
         self.penalty = model.penalty(p.settings)
         self.weight = model.contact_weight(p.settings, p.kin.b)
         self.moment = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
@@ -119,6 +124,8 @@ class Iteration:
             model.tensile, model.compressive, model.poisson, self.z, self.u, rhs,
         )  # fmt: skip
         kernels.contact_step(self.x, p.limit, self.weight, r, self.zc, self.uc, rhs)
+        if self.planes is not None:
+            self.planes.step(model.mobility, p.limit, self.weight, self.zc, self.uc, rhs)
         slope = p.load.density * p.load.body_force
         cone = kernels.volume_and_loads(
             self.x, model.triangles, slope, model.free, gradient, hydrostatic
@@ -150,66 +157,49 @@ class Iteration:
         self.datum += correction
         return correction * self.response
 
+    def look(self) -> None:
+        """Find what touches now; it is kept apart from here on."""
+        p, model = self.problem, self.problem.model
+        if model.self_contact is not None and np.all(np.isfinite(self.x)):
+            x = clamp_to_shell(self.x, p.limit)
+            contact = model.self_contact.resolve(p.committed, x, p.limit)
+            self.planes = contact.planes() if len(contact.pairs) else None
+
     def finish(self) -> Solution:
-        """The iterate inside the shell, with its exact volume, drawn together where too long.
+        """The iterate made admissible: see ``cloth.ending``.
 
         Raises ArithmeticError instead of returning a position that is not finite.
         """
         p, model = self.problem, self.problem.model
         if not math.isfinite(self.change + self.datum):
             raise self._diverged("the position is no longer finite")
-        x = self._closed(clamp_to_shell(self.x, p.limit))
-        strain = np.empty(len(model.triangles))
-        kernels.principal_strains(x, model.triangles, model.gradients, strain)
-        if not model.elastic and strain.max() > STRAIN_MARGIN * p.strain_limit:
-            x = self._closed(self._shortened(x))
-            kernels.principal_strains(x, model.triangles, model.gradients, strain)
-        if not np.all(np.isfinite(x)):
+        bounds = Bounds(
+            model=model,
+            start=p.committed,
+            limit=p.limit,
+            volume=p.load.volume,
+            strain_limit=p.strain_limit,
+            response=self.response,
+        )
+        try:
+            end = ending(self.x, bounds)
+        except VolumeLostError as lost:
+            raise self._diverged(str(lost)) from lost
+        if not np.all(np.isfinite(end.position)):
             raise self._diverged("the position is no longer finite")
-        volume, wanted = model.volume(x), p.load.volume
-        drift = 0.0 if wanted is None else abs(volume / wanted - 1.0)
-        short = model.elastic or float(strain.max()) <= p.strain_limit
         return Solution(
-            position=x,
+            position=end.position,
             tension=self.u * self.penalty[:, None, None],
             contact_force=self.uc * self.weight[:, None],
             datum=self.datum,
-            volume=volume,
-            strain=strain,
+            volume=end.volume,
+            strain=end.strain,
             change=self.change,
             iterations=self.done,
-            converged=short and drift <= VOLUME_ALLOWED,
+            contact=end.contact,
+            planes=self.planes,
+            converged=end.converged,
         )
-
-    def _shortened(self, x: Array) -> Array:
-        """``x`` with the few triangles that still exceed the strain limit drawn together."""
-        p, model = self.problem, self.problem.model
-        mobility = np.where(model.free, 1.0 / model.mass, 0.0)
-        for _ in range(SWEEPS):
-            worst = kernels.shorten_step(
-                x, model.triangles, model.gradients, mobility, STRAIN_MARGIN * p.strain_limit
-            )
-            if worst <= 0.1 * p.strain_limit:
-                break
-            x = clamp_to_shell(x, p.limit)
-        return x
-
-    def _closed(self, x: Array) -> Array:
-        """``x`` moved along the datum's own response, off the shell only, to the exact volume."""
-        p, model = self.problem, self.problem.model
-        if p.load.volume is None:
-            return x
-        for _ in range(8):
-            volume, gradient = model.volume_and_gradient(x)
-            if abs(volume - p.load.volume) <= VOLUME_TOLERANCE * p.load.volume:
-                break
-            off = np.linalg.norm(x, axis=1) < p.limit * (1.0 - 1e-9)
-            direction = np.where(off[:, None], self.response, 0.0)
-            slope = float(np.sum(gradient * direction))
-            if not slope > 0.0:
-                raise self._diverged("the volume no longer answers to the pressure")
-            x = clamp_to_shell(x + (p.load.volume - volume) / slope * direction, p.limit)
-        return x
 
     def _diverged(self, symptom: str) -> ArithmeticError:
         return ArithmeticError(
@@ -219,17 +209,28 @@ class Iteration:
         )
 
 
-def iterate(problem: StepProblem, force: Array, count: int | None) -> Solution:
+def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near: bool) -> Solution:
     """Solve the step under nodal ``force`` (n, 3) [N].
 
-    ``count`` iterations; None: as many as it takes to converge, within the settings' bounds.
+    ``first``: the step's first solution, which decided the number of iterations and what touches;
+    None: as many as it takes to converge, within the settings' bounds. ``near``: whether parts of
+    the sheet were near each other at the step's start, so that it pays to look while iterating.
     Raises ArithmeticError when the iteration diverges.
     """
-    settings, run = problem.settings, Iteration(problem, force)
-    for _ in range(settings.iterations if count is None else count):
+    settings = problem.settings
+    run = Iteration(problem, force, None if first is None else first.planes)
+    if first is not None:
+        for _ in range(first.iterations):
+            run.advance()
+        return run.finish()
+    for k in range(settings.iterations):
+        if near and 2 * k >= settings.iterations and run.planes is None:
+            run.look()
         run.advance()
     solution = run.finish()
-    while count is None and run.done < settings.iterations_max and not solution.converged:
-        run.advance()
+    while run.done < settings.iterations_max and not solution.converged:
+        run.look()
+        for _ in range(CONTACT_EVERY if run.planes is not None else 1):
+            run.advance()
         solution = run.finish()
     return solution

@@ -13,6 +13,7 @@ from cloth.linear import System, stretch_matrix
 from cloth.load import Settings
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh, lumped, rest_gradients
+from cloth.self_contact import SelfContact
 
 
 class ClothModel:
@@ -20,7 +21,8 @@ class ClothModel:
 
     ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` (m,) [N/m]: E t of an elastic
     sheet, -1 where inextensible; ``compressive`` (m,) [N/m]; ``size`` [m], half the mesh's largest
-    extent; ``clamped`` (n, 3) [m], where fixed nodes are held.
+    extent; ``clamped`` (n, 3) [m], where fixed nodes are held; ``mobility`` (n,) [1/kg], 0 where
+    fixed.
     """
 
     def __init__(
@@ -34,6 +36,7 @@ class ClothModel:
         clearance: float,
         elastic: bool,
         compressive_stiffness: float | None,
+        self_contact: bool,
     ) -> None:
         self.mesh, self.clamped = mesh, clamped
         self.shell_radius, self.clearance = shell_radius, clearance
@@ -45,6 +48,12 @@ class ClothModel:
         self.thickness = thickness
         area = lumped(mesh)
         self.mass = lumped(mesh, diaphragm.density * thickness)
+        self.mobility = np.where(self.free, 1.0 / self.mass, 0.0)
+        self.self_contact = (
+            SelfContact(mesh.triangles, self.mobility, float(thickness.max()))
+            if self_contact
+            else None
+        )
         self.poisson = diaphragm.poisson_ratio
         stiffness = diaphragm.youngs_modulus * thickness
         self.elastic = elastic

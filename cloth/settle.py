@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cloth.arrays import Array
+from cloth.contact import clamp_to_shell
 from cloth.load import Load, Settings
 from cloth.step import Cloth
 
@@ -75,11 +76,18 @@ def _weighted(moved: Array, normals: Array) -> float:
     return _rms(along + SLIDING * (moved - along))
 
 
-def _extrapolated(new: dict[str, Array], old: dict[str, Array], factor: float) -> dict[str, Array]:
+def _extrapolated(
+    cloth: Cloth, new: dict[str, Array], old: dict[str, Array], factor: float
+) -> dict[str, Array]:
     """``new`` with a share of its change since ``old`` added to all that the next step solves."""
     result = dict(new)
     for name in ("position", "tension", "contact_force"):
         result[name] = new[name] + factor * (new[name] - old[name])
+    contact = cloth.model.self_contact
+    if contact is not None:
+        limit = cloth.limit(new["position"])
+        further = clamp_to_shell(result["position"], limit)
+        result["position"] = contact.resolve(new["position"], further, limit).position
     return result
 
 
@@ -143,7 +151,7 @@ def settle(
             log.info("settled after %d steps, rms change %.1e m", step, change)
             return Settled(steps=step, change=change, converged=True)
         if s >= 1.0 and step < steps_max:
-            cloth.restore(_extrapolated(new, old, momentum.factor(moved, motion)))
+            cloth.restore(_extrapolated(cloth, new, old, momentum.factor(moved, motion)))
         old = new
     log.warning(
         "not settled after %d steps: rms change %.1e m a step, tolerance %.1e m. "

@@ -48,8 +48,8 @@ class Memory:
     ``position``, ``velocity`` and their ``previous_`` values (n, 3); ``previous_dt`` [s], 0 when
     there is no previous step; ``tension`` (m, 3, 2) [N/m], the strain limit's dual in physical
     units; ``contact_force`` (n, 3) [N], the shell's; ``datum`` [Pa]; ``volume`` [m^3];
-    ``strain`` (m,); ``change`` [m]; ``shell_slip``, ``self_slip`` (n,) [m]. Scalars are arrays of
-    shape (1,).
+    ``strain`` (m,); ``change`` [m]; ``shell_slip``, ``self_slip`` (n,) [m]; ``near``, 1 where
+    parts of the sheet are near each other. Scalars are arrays of shape (1,).
     """
 
     position: Array
@@ -65,6 +65,7 @@ class Memory:
     change: Array
     shell_slip: Array
     self_slip: Array
+    near: Array
 
     @classmethod
     def at_rest(cls, position: Array, triangles: int, volume: float) -> Memory:
@@ -84,6 +85,7 @@ class Memory:
             change=np.zeros(1),
             shell_slip=np.zeros(len(position)),
             self_slip=np.zeros(len(position)),
+            near=np.zeros(1),
         )
 
     def save(self) -> dict[str, Array]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.contact import shell_limits, slid
+from cloth.contact import pressed, shell_limits, slid
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
@@ -24,7 +24,7 @@ class Cloth:
     min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t I(sigma_max <= 1) + bending + sum I(|x| <= R)
     minus the work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2.
     ``reference`` (n, 3) [m], ``triangles`` (m, 3), ``fixed`` (n,) are the mesh's; ``mass`` (n,)
-    [kg]; ``thickness`` (m,) [m]. Self-contact is not modelled.
+    [kg]; ``thickness`` (m,) [m].
     """
 
     def __init__(
@@ -38,6 +38,7 @@ class Cloth:
         strain_limit: float = 0.01,
         compressive_stiffness: float | None = 10.0,
         elastic: bool = False,
+        self_contact: bool = False,
         clearance: float = 0.0,
         dry: Settings = DRY,
         wet: Settings = WET,
@@ -51,7 +52,9 @@ class Cloth:
         E t resists tension instead of inextensibility. ``compressive_stiffness`` [N/m] keeps
         slack triangles in shape: 10 N/m at 10 % of compression and a radius of 0.44 m is 2.3 Pa,
         0.2 mm of water; None is the sheet's own E t, for grids that resolve its wrinkles.
-        ``dry`` and ``wet``: settings without and with added mass. ``held``: no node ever moves.
+        ``self_contact``: the sheet does not pass through itself, its mid-surfaces a thickness
+        apart; it must not do so at the start. ``dry`` and ``wet``: settings without and with added
+        mass. ``held``: no node ever moves.
         """
         position = mesh.points if position is None else position
         self.reference, self.triangles, self.fixed = mesh.points, mesh.triangles, mesh.fixed
@@ -65,6 +68,7 @@ class Cloth:
             clearance=clearance,
             elastic=elastic,
             compressive_stiffness=compressive_stiffness,
+            self_contact=self_contact,
         )
         self.mass, self.thickness = self.model.mass, self.model.thickness
         self.dry, self.wet = dry, wet
@@ -73,7 +77,7 @@ class Cloth:
         self._dt = 0.0
         self._kin: Kinematics | None = None
         self._problem: StepProblem | None = None
-        self._count: int | None = None
+        self._first: Solution | None = None
         self._solution: Solution | None = None
 
     def begin_step(
@@ -92,7 +96,7 @@ class Cloth:
         if (load.volume is None) == (load.datum is None):
             raise ValueError("cloth load: give either the volume or the datum, not both.")
         m = self._memory
-        self._dt, self._solution, self._count = dt, None, None
+        self._dt, self._solution, self._first = dt, None, None
         self._kin = kin = kinematics(
             dt, float(m.previous_dt[0]), m.position, m.velocity,
             m.previous_position, m.previous_velocity,
@@ -113,14 +117,13 @@ class Cloth:
             dt=dt,
             kin=kin,
             load=load,
+            committed=m.position,
             start=m.position + dt * m.velocity,
             datum=float(m.datum[0]),
             tension=m.tension,
             contact_force=m.contact_force,
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
-            limit=shell_limits(
-                self.model.mesh, m.position, self.model.shell_radius, self.model.clearance
-            ),
+            limit=self.limit(m.position),
             strain_limit=self.strain_limit,
         )
 
@@ -132,6 +135,12 @@ class Cloth:
                 self._systems.pop(next(iter(self._systems)))
             self._systems[key] = self.model.system(settings, b)
         return self._systems[key]
+
+    def limit(self, position: Array) -> Array:
+        """Largest |x_i| (n,) [m] of a step from ``position`` (n, 3) [m]: see ``shell_limits``."""
+        return shell_limits(
+            self.model.mesh, position, self.model.shell_radius, self.model.clearance
+        )
 
     def _begun(self) -> Kinematics:
         if self._kin is None:
@@ -160,16 +169,18 @@ class Cloth:
     def solve(self, force: Array) -> Array:
         """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 
-        The first solve of a step decides the number of iterations and the following ones keep it,
-        so that the answer is a continuous function of ``force``. The committed state stays.
+        The first solve of a step decides the number of iterations and which parts of the sheet
+        touch, and the following ones keep to it, so that the answer is a continuous function of
+        ``force``. The committed state stays.
         Raises ArithmeticError when the iteration diverges, and never returns what is not finite.
         """
         self._begun()
         if self.held:
             return self._memory.position.copy()
         assert self._problem is not None
-        self._solution = iterate(self._problem, force, self._count)
-        self._count = self._solution.iterations
+        near = bool(self._memory.near[0])
+        self._solution = iterate(self._problem, force, self._first, near=near)
+        self._first = self._first or self._solution
         return self._solution.position.copy()
 
     def accept_step(self) -> None:
@@ -179,7 +190,11 @@ class Cloth:
             return
         if s is None:
             raise RuntimeError("cloth: accept_step needs a solve first.")
-        pressed = np.any(m.contact_force, axis=1) & np.any(s.contact_force, axis=1)
+        assert self._problem is not None
+        limit, reach = self._problem.limit, 0.5 * float(self.thickness.max())
+        rubbing = pressed(m.position, m.contact_force, limit, reach)
+        rubbing &= pressed(s.position, s.contact_force, limit, reach)
+        rubbed = 0.0 if s.contact is None else s.contact.node_slip()
         self._memory = Memory(
             position=s.position,
             velocity=kin.velocity(s.position),
@@ -192,8 +207,9 @@ class Cloth:
             volume=np.array([s.volume]),
             strain=s.strain,
             change=np.array([s.change]),
-            shell_slip=m.shell_slip + slid(m.position, s.position, pressed),
-            self_slip=m.self_slip,
+            shell_slip=m.shell_slip + slid(m.position, s.position, rubbing),
+            self_slip=m.self_slip + rubbed,
+            near=np.array([float(s.contact is not None and s.contact.near.any())]),
         )
         self._kin = None
 

@@ -76,6 +76,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         strain_limit=cloth.strain_limit,
         elastic=not scene.diaphragm.inextensible,
         clearance=clearance,
+        self_contact=True,
         dry=replace(DRY, **stated),
         wet=replace(WET, **stated),
         **stiffness,

@@ -116,6 +116,16 @@ def run(cloth: Cloth, steps: int, *, first: int = 0, dt: float = 0.005, patches:
         yield cloth.state
 
 
+def run_under(cloth: Cloth, load, steps: int, dt: float):
+    """Steps of ``dt`` [s] under ``load(time)`` alone; yields every committed state."""
+    zero = np.zeros_like(cloth.reference)
+    for step in range(steps):
+        cloth.begin_step(dt, load((step + 1) * dt))
+        cloth.solve(zero)
+        cloth.accept_step()
+        yield cloth.state
+
+
 @pytest.mark.parametrize("fill", [0.5, 0.8])
 def test_static_level_gravity_centre_and_pressure(settled, fill):
     """Without bending: a level surface at R h, the rest on the shell, the spherical cap's CG.

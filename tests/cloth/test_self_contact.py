@@ -386,7 +386,7 @@ def test_planes_match_the_reference_and_hold_their_gaps():
     x, triangles = two_sheets(2e-3)
     upper = np.arange(len(x)) >= len(x) // 2
     result = contact(triangles).resolve(x, x - np.where(upper[:, None], [0.0, 0.0, 2e-3], 0.0))
-    planes = result.planes(H)
+    planes = result.planes()
     assert len(planes.nodes) > 0
     start = result.position - np.where(upper[:, None], [0.0, 0.0, 1e-3], 0.0)
     inverse, limit = np.ones(len(x)), np.full(len(x), 1.0)
