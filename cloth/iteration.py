@@ -209,6 +209,7 @@ class Iteration:
         )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what diverges is found, and said, in ``finish``
 def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near: bool) -> Solution:
     """Solve the step under nodal ``force`` (n, 3) [N].
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Protocol
+
+import numpy as np
 
 from cloth.arrays import Array
 
@@ -36,10 +39,10 @@ class Load(Protocol):
 class Settings:
     """Inner iteration of a step.
 
-    ``penalty`` k [N/m] of the strain limit; ``relaxation`` r [-], 1 to 1.8; ``contact_weight``
-    [-], the shell's penalty over m/b^2; ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on
-    the tangential velocity alone, per cloth mass; ``iterations`` always done and at most done
-    when a strain is above the limit.
+    ``penalty`` k [N/m] of the strain limit, at least (see ``raised``); ``relaxation`` r [-], 1 to
+    1.8; ``contact_weight`` [-], the shell's penalty over m/b^2; ``bending_damping`` tau_b [s];
+    ``drag`` alpha [1/s], on the tangential velocity alone, per cloth mass; ``iterations`` always
+    done and at most done when a strain is above the limit.
     """
 
     penalty: float
@@ -51,13 +54,27 @@ class Settings:
     iterations_max: int
 
 
+def raised(settings: Settings, load: Load, size: float) -> Settings:
+    """``settings`` with the penalty in proportion to ``load`` on a sheet of ``size`` [m].
+
+    The iteration diverges where k is below half the tension and crawls where it is far above. A
+    dome of that size carries T = rho |b| size^2/2; k is raised by powers of four until it is above
+    that, so that a shaken tank needs few different matrices.
+    """
+    strength = float(np.linalg.norm(load.body_force))
+    ratio = 0.5 * load.density * strength * size**2 / settings.penalty
+    if not (math.isfinite(ratio) and ratio > 1.0):
+        return settings
+    return replace(settings, penalty=settings.penalty * 4.0 ** math.ceil(math.log(ratio, 4.0)))
+
+
 DRY = Settings(
     penalty=2000.0,
     relaxation=1.7,
     contact_weight=2.0,
-    bending_damping=0.05,
-    drag=5.0,
-    iterations=20,
+    bending_damping=0.3,
+    drag=100.0,
+    iterations=10,
     iterations_max=400,
 )
 WET = Settings(

@@ -11,11 +11,13 @@ from cloth.contact import pressed, shell_limits, slid
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
-from cloth.load import DRY, WET, Load, Settings
+from cloth.load import DRY, WET, Load, Settings, raised
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
 from cloth.state import ClothState, Memory, principal_tension
+
+SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
 
 
 class Cloth:
@@ -108,6 +110,7 @@ class Cloth:
             rows = np.where(self.model.free[None, :, None], added_mass / kin.b, 0.0)
         if settings is None:
             settings = self.dry if rows is None else self.wet
+        settings = raised(settings, load, self.model.size)
         system = self._factorised(settings, kin.b)
         system.add_mass(rows)
         self._problem = StepProblem(
@@ -131,7 +134,7 @@ class Cloth:
         """The matrix for this b; the last few are kept, so that a first Euler step costs little."""
         key = (b, settings)
         if key not in self._systems:
-            if len(self._systems) >= 4:
+            if len(self._systems) >= SYSTEMS_KEPT:
                 self._systems.pop(next(iter(self._systems)))
             self._systems[key] = self.model.system(settings, b)
         return self._systems[key]

@@ -5,10 +5,13 @@ From seconds a step measured on two shared cores; they vary by half from machine
 
 from __future__ import annotations
 
+from cloth.load import DRY
 from coupling.scene import Scene
 
-# Seconds a step: cloth of 24 rings and 20 inner iterations; one coupled step on 1300 cells.
-_CLOTH_STEP = 0.02
+# Seconds: an inner iteration of a cloth of 24 rings, all of a step's overhead spread over ten;
+# a settling's inner iterations; one coupled step on 1300 cells.
+_CLOTH_ITERATION = 6e-4
+_SETTLING = 10000
 _FLOW_STEP = 0.5
 
 
@@ -17,12 +20,14 @@ def step_cost(scene: Scene, fluid: str) -> float:
 
     The cloth's share grows with its triangles and inner iterations, the flow's with its cells.
     """
-    cloth = scene.cloth
-    dry = _CLOTH_STEP * (cloth.resolution / 24.0) ** 2 * cloth.iterations / 20.0
+    dry = _iteration_cost(scene) * (scene.cloth.iterations or DRY.iterations)
     return dry + (_FLOW_STEP * scene.openfoam.cells / 1300.0 if fluid == "openfoam" else 0.0)
+
+
+def _iteration_cost(scene: Scene) -> float:
+    return _CLOTH_ITERATION * (scene.cloth.rings / 24.0) ** 2.3
 
 
 def run_cost(scene: Scene, fluid: str) -> float:
     """Estimated wall time of the whole run [s], settling (always without a flow) included."""
-    settling = scene.time.settle / scene.time.step * step_cost(scene, "hydrostatic")
-    return settling + scene.time.steps * step_cost(scene, fluid)
+    return _SETTLING * _iteration_cost(scene) + scene.time.steps * step_cost(scene, fluid)

@@ -39,9 +39,14 @@ class Cloth(Section):
         "rubber's own stiffness, on a grid that is fine enough)",
     )
     strain_limit: float = Field(
-        default=0.01, gt=0, lt=1, description="largest principal tensile strain to report as kept"
+        default=0.01, gt=0, lt=1, description="largest principal tensile strain allowed"
     )
-    iterations: int = Field(default=20, ge=1, le=10000, description="inner iterations of a solve")
+    iterations: int | None = Field(
+        default=None,
+        ge=1,
+        le=10000,
+        description="inner iterations of a solve; 10, or 20 with a flow, if left out",
+    )
     bending_damping: float = Field(
         default=0.3,
         ge=0,

@@ -60,10 +60,11 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         )
     clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
     stated: dict[str, Any] = {
-        "iterations": cloth.iterations,
         "bending_damping": cloth.bending_damping,
         "drag": cloth.drag,
     }
+    if cloth.iterations is not None:
+        stated["iterations"] = cloth.iterations
     stiffness: dict[str, Any] = {}
     if cloth.wrinkling == "resolved":
         stiffness["compressive_stiffness"] = None

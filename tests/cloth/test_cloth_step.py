@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from cloth.contact import slid
 from cloth.inertia import kinematics
+from cloth.load import DRY, raised
 from cloth.material import Diaphragm, diaphragm
 from cloth.mesh import Mesh, hemisphere
 from cloth.settle import settle
@@ -366,3 +367,34 @@ def test_tension_carries_the_pressure():
     settle(cloth, Water(None, np.zeros(3), datum=2000.0), ramp_steps=1)
     inner = cloth.model.mesh.rim_distance[cloth.triangles].min(axis=1) > 0.2 * R
     assert np.median(cloth.state.tension[inner]) == pytest.approx(2000.0 * R / 2.0, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "amplitude", "dt"), [(25.0, 0.004, 0.002), (25.0, 0.25, 0.001)]
+)
+def test_hard_shaking_keeps_length_and_volume(settled, frequency, amplitude, dt):
+    """10 g and 629 g: the penalty grows with the load, or the iteration diverges."""
+    cloth, saved = settled[0.8]
+    cloth.restore(saved)
+
+    def load(time: float) -> Water:
+        push = sway_acceleration(time, frequency, amplitude)
+        return Water(0.8 * TANK, GRAVITY - np.array([push, 0.0, 0.0]))
+
+    for state in run_under(cloth, load, 60, dt):
+        assert cloth.converged
+        assert np.isfinite(state.position).all()
+        assert state.strain.max() <= cloth.strain_limit
+
+
+def test_penalty_grows_with_the_load_in_few_steps():
+    """In powers of four, above rho b R^2/2 and never below what was asked for."""
+    least = replace(DRY, penalty=2000.0)
+    penalties = set()
+    for push in np.linspace(0.0, 6000.0, 200):
+        load = Water(1.0, GRAVITY - np.array([push, 0.0, 0.0]))
+        tension = 0.5 * WATER * float(np.linalg.norm(load.body_force)) * R**2
+        penalty = raised(least, load, R).penalty
+        assert max(2000.0, tension) <= penalty < max(2000.1, 4.0 * tension)
+        penalties.add(penalty)
+    assert len(penalties) == 6
