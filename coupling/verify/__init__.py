@@ -28,6 +28,12 @@ __all__ = [
 ]
 
 CASES: dict[str, str] = {
+    "mylar": "coupling.verify.membranes:mylar",
+    "balloon": "coupling.verify.membranes:balloon",
+    "hammock": "coupling.verify.membranes:hammock",
+    "lintearia": "coupling.verify.hanging:lintearia",
+    "chain": "coupling.verify.hanging:chain",
+    "static-level": "coupling.verify.static_level:static_level",
     "slosh": "coupling.verify.slosh:slosh",
     "rigid": "coupling.verify.rigid:rigid",
     "momentum": "coupling.verify.momentum:momentum",

@@ -1,0 +1,77 @@
+"""What the cases of flat sheets share: a film without weight or bending, brought to rest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cloth.load import Settings
+from cloth.material import Diaphragm
+from cloth.settle import settle
+from cloth.step import Cloth
+from coupling.ports import HydrostaticLoad, RunFailed
+from coupling.verify.case import CaseError
+
+# Lengths and pressures of these cases are of order 1, so that tensions are too [N/m]. A film of
+# 1e-5 kg/m^2 weighs 1e-5 of the water on it; at a pseudo step of 0.1 s its inertia is 1e-3 N/m^3,
+# which leaves the matrix regular and the steps long.
+FILM = Diaphragm(density=1e-5, thickness=1.0, youngs_modulus=0.0, poisson_ratio=0.0)
+PSEUDO_STEP = 0.1  # s
+SLACK = 1e-4  # N/m against compression, 1e-4 of the tension
+TOLERANCE = 1e-6  # rms motion of a pseudo step, of half the sheet's extent
+STEPS_MAX = 400
+
+
+def film_settings(penalty: float, iterations: int) -> Settings:
+    """Of the inner iteration, for a tension of order 1 N/m.
+
+    ``penalty`` [N/m]: below twice the tension the iteration diverges, above 30 it crawls.
+    ``iterations``: pseudo steps left unconverged are what the extrapolation amplifies.
+    """
+    return Settings(
+        penalty=penalty,
+        relaxation=1.7,
+        contact_weight=2.0,
+        bending_damping=0.0,
+        drag=0.0,
+        iterations=iterations,
+        iterations_max=iterations,
+    )
+
+
+def bring_to_rest(
+    case: str,
+    cloth: Cloth,
+    load: HydrostaticLoad,
+    *,
+    step: float = PSEUDO_STEP,
+) -> None:
+    """Settle ``cloth`` under ``load`` by pseudo steps of ``step`` [s].
+
+    RunFailed where it does not come to rest.
+    """
+    done = settle(
+        cloth,
+        load,
+        dt=step,
+        ramp_steps=1,
+        tolerance=TOLERANCE,
+        steps_max=STEPS_MAX,
+    )
+    if not done.converged:
+        raise RunFailed(
+            f"verify {case}: not at rest after {done.steps} steps, which still move it by "
+            f"{done.change:.1e} m. Choose another --resolution."
+        )
+
+
+def within(case: str, option: str, value: float, least: float, most: float) -> None:
+    """CaseError unless ``value`` of --``option`` lies in [``least``, ``most``]."""
+    if not least <= value <= most:
+        raise CaseError(
+            f"verify {case}: --{option}: must lie in [{least:g}, {most:g}], got {value:g}."
+        )
+
+
+def water() -> HydrostaticLoad:
+    """p = z: of unit weight rho g = 1 Pa/m, upside down, so that sheets full of it bulge up."""
+    return HydrostaticLoad(density=1.0, body_force=np.array([0.0, 0.0, 1.0]), datum=0.0)
