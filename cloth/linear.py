@@ -8,7 +8,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.factors import low_rank_step, substitute_blocked, substitute_vectors
+from cloth.factors import factor_of, low_rank_step
 
 
 def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) -> sp.csc_matrix:
@@ -39,17 +39,17 @@ class System:
         self._order = self._free[np.argsort(factor.perm_c)]
         lower = sp.csc_matrix(sp.tril(factor.L, -1, format="csc"))
         lower.sort_indices()
-        self._starts = lower.indptr.astype(np.int64)
-        self._rows = lower.indices.astype(np.int64)
-        self._values = np.ascontiguousarray(lower.data)
-        self._pivots = np.ascontiguousarray(factor.U.diagonal())
+        self._factor = factor_of(
+            lower.indptr.astype(np.int64), lower.indices.astype(np.int64),
+            lower.data, factor.U.diagonal(),
+        )  # fmt: skip
         self._boundary = sp.csr_matrix(matrix[self._free][:, np.flatnonzero(~free)])
         self._directions: Array | None = None
 
     @property
     def fill(self) -> int:
         """Entries of L below its diagonal."""
-        return len(self._values)
+        return len(self._factor.values)
 
     def lift(self, positions: Array, fixed: Bools) -> Array:
         """What fixed nodes at ``positions`` (n, 3) add to the right-hand side (n, 3) [N]."""
@@ -68,7 +68,7 @@ class System:
         rank = len(rows)
         inner = rows[:, self._order, :]
         right = np.ascontiguousarray(inner.transpose(1, 0, 2)).reshape(len(self._order), 3 * rank)
-        solved = substitute_blocked(self._starts, self._rows, self._values, self._pivots, right)
+        solved = self._factor.solved(right)
         y = solved.reshape(-1, rank, 3).transpose(1, 0, 2).reshape(rank, -1)
         core = np.eye(rank) + inner.reshape(rank, -1) @ y.T
         lower = sl.cholesky(core, lower=True, check_finite=False)
@@ -80,7 +80,7 @@ class System:
         """A^-1 ``right`` (n, 3); zero on the fixed nodes."""
         work = right[self._order]
         before = work.ravel().copy() if self._directions is not None else work
-        substitute_vectors(self._starts, self._rows, self._values, self._pivots, work)
+        self._factor.solve(work)
         if self._directions is not None:
             low_rank_step(self._directions, before, work.reshape(-1))
         x = np.zeros((self.count, 3))

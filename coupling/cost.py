@@ -25,7 +25,7 @@ def step_cost(scene: Scene, fluid: str) -> float:
 
 
 def _iteration_cost(scene: Scene) -> float:
-    return _CLOTH_ITERATION * (scene.cloth.rings / 24.0) ** 2.3
+    return float(_CLOTH_ITERATION * (scene.cloth.rings / 24.0) ** 2.3)
 
 
 def run_cost(scene: Scene, fluid: str) -> float:

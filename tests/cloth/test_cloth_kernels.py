@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+import scipy.sparse.linalg as spl
 
 from cloth import kernels, reference
 from cloth.bending import bending_of
-from cloth.linear import System
+from cloth.factors import factor_of
+from cloth.linear import System, stretch_matrix
 from cloth.mesh import Mesh, hemisphere, rest_gradients
 
 ROUNDING = 1e-11  # sums of a few hundred terms of order one, in another order
@@ -164,3 +166,30 @@ def test_system_against_a_dense_solve(mesh, rank):
     np.testing.assert_allclose(
         lift[free], -matrix.toarray()[np.ix_(free, ~free)] @ fixed_at[mesh.fixed], atol=1e-12
     )
+
+
+@pytest.mark.parametrize("columns", [1, 3, 7])
+def test_blocks_of_the_factor_against_scipy(columns):
+    """A grid's matrix, whose factor has blocks of many widths, on few and on three columns."""
+    mesh = hemisphere(1.0, 12)
+    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
+    size = len(mesh.points)
+    matrix = stretch_matrix(mesh.triangles, gradients, areas, size) + sp.eye(size, format="csc")
+    found = spl.splu(
+        sp.csc_matrix(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )  # fmt: skip
+    lower = sp.csc_matrix(sp.tril(found.L, -1, format="csc"))
+    lower.sort_indices()
+    factor = factor_of(
+        lower.indptr.astype(np.int64), lower.indices.astype(np.int64), lower.data,
+        found.U.diagonal(),
+    )  # fmt: skip
+    assert np.diff(factor.heads).max() > 3
+    assert np.diff(factor.heads).min() == 1
+    right = np.random.default_rng(8).normal(size=(size, columns))
+    got = np.empty_like(right)
+    order = np.argsort(found.perm_c)
+    got[order] = factor.solved(right[order], block=3)
+    wanted = spl.spsolve(sp.csc_matrix(matrix), right).reshape(right.shape)
+    np.testing.assert_allclose(got, wanted, atol=1e-12 * np.abs(wanted).max())
