@@ -72,9 +72,9 @@ def bending_of(mesh: Mesh, stiffness: Array) -> Bending:
     gradients, areas = rest_gradients(mesh.points, mesh.triangles)
     inside = np.ones(size)
     inside[border_nodes(mesh.triangles)] = 0.0
-    normal, unused = np.zeros_like(mesh.points), np.zeros_like(mesh.points)
+    normal = np.zeros_like(mesh.points)
     everywhere = np.ones(size, dtype=bool)
-    kernels.volume_and_loads(mesh.points, mesh.triangles, np.zeros(3), everywhere, normal, unused)
+    kernels.volume_and_gradient(mesh.points, mesh.triangles, everywhere, normal)
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     laplacian = stretch_matrix(mesh.triangles, gradients, areas, size).tocsr()
     rows = sp.csr_matrix(sp.diags(inside) @ _upright(laplacian, mesh, normal))

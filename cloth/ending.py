@@ -60,20 +60,21 @@ def ending(x: Array, bounds: Bounds) -> Ending:
     Each of the three mends undoes a little of the others, so they take turns; most steps need
     none of them but a few millionths of a metre for the volume. Raises VolumeLostError.
     """
-    model = bounds.model
-    nobody = np.zeros(len(x), dtype=np.bool_)
-    x = _closed(clamp_to_shell(x, bounds.limit), bounds, nobody)
-    strain, contact = _strain(x, model), None
+    model, nobody = bounds.model, np.zeros(len(x), dtype=np.bool_)
+    x, volume = _closed(clamp_to_shell(x, bounds.limit), bounds, nobody)
+    strain, contact, safe = _strain(x, model), None, True
     for turn in range(ROUNDS):
-        too_long = _worst(strain, model) > STRAIN_MARGIN * bounds.strain_limit
-        if too_long and turn < ROUNDS - 1:
+        too_long = turn < ROUNDS - 1 and _worst(strain, model) > _aim(bounds)
+        if too_long:
             x = _shortened(x, bounds)
-        near, safe = nobody, True
+        near = nobody
         if model.self_contact is not None:
             contact = model.self_contact.resolve(bounds.start, x, bounds.limit)
             x, near = contact.position, contact.near
+        if not too_long and (contact is None or contact.moved == 0.0):
+            break
         before = x
-        x = _closed(x, bounds, near)
+        x, volume = _closed(x, bounds, near)
         if contact is not None and near.any():
             moved = float(np.linalg.norm(x - before, axis=1).max())
             safe = moved <= HARMLESS * contact.thickness
@@ -83,8 +84,7 @@ def ending(x: Array, bounds: Bounds) -> Ending:
     if not safe:
         assert model.self_contact is not None
         x = model.self_contact.resolve(bounds.start, x, bounds.limit).position
-        strain = _strain(x, model)
-    volume = model.volume(x)
+        strain, volume = _strain(x, model), model.volume(x)
     drift = 0.0 if bounds.volume is None else abs(volume / bounds.volume - 1.0)
     return Ending(
         position=x,
@@ -93,6 +93,11 @@ def ending(x: Array, bounds: Bounds) -> Ending:
         contact=contact,
         converged=_worst(strain, model) <= bounds.strain_limit and drift <= VOLUME_ALLOWED,
     )
+
+
+def _aim(bounds: Bounds) -> float:
+    """Strain above which triangles are drawn together."""
+    return STRAIN_MARGIN * bounds.strain_limit
 
 
 def _strain(x: Array, model: ClothModel) -> Array:
@@ -111,7 +116,7 @@ def _shortened(x: Array, bounds: Bounds) -> Array:
     model, x = bounds.model, x.copy()
     for _ in range(SWEEPS):
         worst = kernels.shorten_step(
-            x, model.triangles, model.gradients, model.mobility, STRAIN_MARGIN * bounds.strain_limit
+            x, model.triangles, model.gradients, model.mobility, _aim(bounds)
         )
         if worst <= 0.1 * bounds.strain_limit:
             break
@@ -119,13 +124,13 @@ def _shortened(x: Array, bounds: Bounds) -> Array:
     return x
 
 
-def _closed(x: Array, bounds: Bounds, near: Bools) -> Array:
-    """``x`` moved along the datum's response, off the shell and not ``near``, to the volume."""
+def _closed(x: Array, bounds: Bounds, near: Bools) -> tuple[Array, float]:
+    """``x`` moved along the datum's response, off the shell and not ``near``; and its volume."""
     model, wanted = bounds.model, bounds.volume
+    volume, gradient = model.volume_and_gradient(x)
     if wanted is None:
-        return x
+        return x, volume
     for _ in range(8):
-        volume, gradient = model.volume_and_gradient(x)
         if abs(volume - wanted) <= VOLUME_TOLERANCE * wanted:
             break
         free = (np.linalg.norm(x, axis=1) < bounds.limit * (1.0 - 1e-9)) & ~near
@@ -136,4 +141,5 @@ def _closed(x: Array, bounds: Bounds, near: Bools) -> Array:
                 break
             raise VolumeLostError("the volume no longer answers to the pressure")
         x = clamp_to_shell(x + (wanted - volume) / slope * direction, bounds.limit)
-    return x
+        volume, gradient = model.volume_and_gradient(x)
+    return x, volume

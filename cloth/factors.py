@@ -33,12 +33,11 @@ class Factor:
     values: Array
     pivots: Array
 
-    def solve(self, work: Array) -> None:
-        """Overwrite ``work`` (n, k) with (L D L^T)^-1 work."""
-        kernel = substitute_vectors if work.shape[1] == 3 else substitute
-        kernel(
+    def solve(self, right: Array, order: Ints, result: Array) -> None:
+        """``result[order]`` = (L D L^T)^-1 ``right[order]``, both (m, 3), ``order`` (n,)."""
+        solve_nodes(
             self.heads, self.row_starts, self.rows, self.value_starts, self.values, self.pivots,
-            work,
+            order, right, result,
         )  # fmt: skip
 
     def solved(self, right: Array, block: int = 48) -> Array:
@@ -46,7 +45,10 @@ class Factor:
         result = np.empty_like(right)
         for c in range(0, right.shape[1], block):
             part = right[:, c : c + block].copy()
-            self.solve(part)
+            substitute(
+                self.heads, self.row_starts, self.rows, self.value_starts, self.values,
+                self.pivots, part,
+            )  # fmt: skip
             result[:, c : c + block] = part
         return result
 
@@ -215,6 +217,29 @@ def substitute_vectors(
                 work[b, 0] -= v * x
                 work[b, 1] -= v * y
                 work[b, 2] -= v * z
+
+
+@compiled
+def solve_nodes(
+    heads: Ints,
+    row_starts: Ints,
+    rows: Ints,
+    value_starts: Ints,
+    values: Array,
+    pivots: Array,
+    order: Ints,
+    right: Array,
+    result: Array,
+) -> None:
+    """See ``Factor.solve``."""
+    work = np.empty((len(order), 3))
+    for i in range(len(order)):
+        for d in range(3):
+            work[i, d] = right[order[i], d]
+    substitute_vectors(heads, row_starts, rows, value_starts, values, pivots, work)
+    for i in range(len(order)):
+        for d in range(3):
+            result[order[i], d] = work[i, d]
 
 
 @compiled

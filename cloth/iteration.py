@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cloth import kernels
+from cloth import kernels, node_kernels
 from cloth.arrays import Array
 from cloth.contact import clamp_to_shell
 from cloth.contact_planes import Planes
@@ -18,7 +18,7 @@ from cloth.linear import System
 from cloth.load import Load, Settings
 from cloth.model import ClothModel
 
-RESPONSE_EVERY = 4  # iterations between two of the volume's answers to the datum
+RESPONSE_EVERY = 5  # iterations between two of the volume's answers to the datum
 CONTACT_EVERY = 10  # further iterations between two looks at what touches
 
 
@@ -109,39 +109,33 @@ class Iteration:
         self.u = p.tension / self.penalty[:, None, None]
         self.zc = np.zeros_like(self.x)
         self.uc = p.contact_force / np.where(self.weight > 0.0, self.weight, 1.0)[:, None]
-        self.response = np.zeros_like(self.x)
+        self.gradient, self.response = np.zeros_like(self.x), np.zeros_like(self.x)
+        self.slope = p.load.density * p.load.body_force
         self.datum = p.datum if p.load.datum is None else p.load.datum
-        self.change, self.done = 0.0, 0
+        self.before, self.done = self.x, 0
 
     def advance(self) -> None:
         """One iteration."""
         p, model, bent = self.problem, self.problem.model, self.problem.model.bending
-        rhs = self.force.copy()
-        gradient, hydrostatic = np.empty_like(rhs), np.empty_like(rhs)
+        rhs, gradient = self.force.copy(), self.gradient
         r = p.settings.relaxation if self.done else 1.0
-        kernels.membrane_step(
+        cone = kernels.triangle_step(
             self.x, model.triangles, model.gradients, model.areas, self.penalty, r,
-            model.tensile, model.compressive, model.poisson, self.z, self.u, rhs,
+            model.tensile, model.compressive, model.poisson, self.z, self.u,
+            self.datum, self.slope, model.free, gradient, rhs,
         )  # fmt: skip
-        kernels.contact_step(self.x, p.limit, self.weight, r, self.zc, self.uc, rhs)
+        node_kernels.node_step(
+            self.x, p.limit, self.weight, r, self.zc, self.uc,
+            gradient, bent.starts, bent.columns, bent.values, self.moment,
+            p.kin.position_anchor, self.drag, rhs,
+        )  # fmt: skip
         if self.planes is not None:
             self.planes.step(model.mobility, p.limit, self.weight, self.zc, self.uc, rhs)
-        slope = p.load.density * p.load.body_force
-        cone = kernels.volume_and_loads(
-            self.x, model.triangles, slope, model.free, gradient, hydrostatic
-        )
-        rhs += hydrostatic
-        rhs += self.datum * gradient
-        kernels.bending_rest_step(
-            gradient, bent.starts, bent.columns, bent.values, self.moment, rhs
-        )
-        kernels.normal_drag_step(self.x, p.kin.position_anchor, gradient, self.drag, rhs)
         x = p.system.solve(rhs)
         x[model.mesh.fixed] = model.clamped[model.mesh.fixed]
         if p.load.volume is not None:
             x += self._correction(p.load.volume - model.half_shell - float(cone), gradient, x)
-        self.change = float(np.sqrt(np.mean((x - self.x) ** 2) * 3.0))
-        self.x = x
+        self.before, self.x = self.x, x
         self.done += 1
 
     def _correction(self, missing: float, gradient: Array, x: Array) -> Array:
@@ -150,7 +144,7 @@ class Iteration:
         ``missing`` [m^3] at the iterate before. The response S^-1 grad V is of an earlier iterate:
         it scales a correction that vanishes, and the datum's whole load is in the right-hand side.
         """
-        if self.done <= 1 or self.done % RESPONSE_EVERY == 0:
+        if self.done % RESPONSE_EVERY == 0:
             self.response = self.problem.system.solve(gradient)
         missing -= float(np.vdot(gradient, x - self.x))
         correction = missing / float(np.vdot(gradient, self.response))
@@ -171,7 +165,8 @@ class Iteration:
         Raises ArithmeticError instead of returning a position that is not finite.
         """
         p, model = self.problem, self.problem.model
-        if not math.isfinite(self.change + self.datum):
+        change = float(np.sqrt(np.mean((self.x - self.before) ** 2) * 3.0))
+        if not math.isfinite(change + self.datum):
             raise self._diverged("the position is no longer finite")
         bounds = Bounds(
             model=model,
@@ -194,7 +189,7 @@ class Iteration:
             datum=self.datum,
             volume=end.volume,
             strain=end.strain,
-            change=self.change,
+            change=change,
             iterations=self.done,
             contact=end.contact,
             planes=self.planes,

@@ -58,7 +58,7 @@ def project_stretch(
 
 
 @compiled
-def membrane_step(
+def triangle_step(
     x: Array,
     triangles: Ints,
     gradients: Array,
@@ -70,21 +70,30 @@ def membrane_step(
     poisson: float,
     z: Array,
     u: Array,
+    datum: float,
+    slope: Array,
+    free: Bools,
+    gradient: Array,
     rhs: Array,
-) -> None:
-    """See ``cloth.reference.membrane_step``."""
-    rest = 1.0 - relaxation
+) -> float:
+    """See ``cloth.reference.triangle_step``."""
+    rest, volume = 1.0 - relaxation, 0.0
+    s0, s1, s2 = slope
+    gradient[:] = 0.0
     for t in range(triangles.shape[0]):
         i, j, k = triangles[t]
-        g0, h0 = relaxation * gradients[t, 0, 0], relaxation * gradients[t, 0, 1]
+        i0, i1, i2 = x[i, 0], x[i, 1], x[i, 2]
+        a0, a1, a2 = x[j, 0] - i0, x[j, 1] - i1, x[j, 2] - i2
+        b0, b1, b2 = x[k, 0] - i0, x[k, 1] - i1, x[k, 2] - i2
+        # F maps the moulded plane: the gradients of the three corners sum to zero.
         g1, h1 = relaxation * gradients[t, 1, 0], relaxation * gradients[t, 1, 1]
         g2, h2 = relaxation * gradients[t, 2, 0], relaxation * gradients[t, 2, 1]
-        y00 = x[i, 0] * g0 + x[j, 0] * g1 + x[k, 0] * g2 + rest * z[t, 0, 0] + u[t, 0, 0]
-        y10 = x[i, 1] * g0 + x[j, 1] * g1 + x[k, 1] * g2 + rest * z[t, 1, 0] + u[t, 1, 0]
-        y20 = x[i, 2] * g0 + x[j, 2] * g1 + x[k, 2] * g2 + rest * z[t, 2, 0] + u[t, 2, 0]
-        y01 = x[i, 0] * h0 + x[j, 0] * h1 + x[k, 0] * h2 + rest * z[t, 0, 1] + u[t, 0, 1]
-        y11 = x[i, 1] * h0 + x[j, 1] * h1 + x[k, 1] * h2 + rest * z[t, 1, 1] + u[t, 1, 1]
-        y21 = x[i, 2] * h0 + x[j, 2] * h1 + x[k, 2] * h2 + rest * z[t, 2, 1] + u[t, 2, 1]
+        y00 = a0 * g1 + b0 * g2 + rest * z[t, 0, 0] + u[t, 0, 0]
+        y10 = a1 * g1 + b1 * g2 + rest * z[t, 1, 0] + u[t, 1, 0]
+        y20 = a2 * g1 + b2 * g2 + rest * z[t, 2, 0] + u[t, 2, 0]
+        y01 = a0 * h1 + b0 * h2 + rest * z[t, 0, 1] + u[t, 0, 1]
+        y11 = a1 * h1 + b1 * h2 + rest * z[t, 1, 1] + u[t, 1, 1]
+        y21 = a2 * h1 + b2 * h2 + rest * z[t, 2, 1] + u[t, 2, 1]
         p, q, s = project_stretch(
             y00 * y00 + y10 * y10 + y20 * y20,
             y00 * y01 + y10 * y11 + y20 * y21,
@@ -94,15 +103,58 @@ def membrane_step(
             compressive[t],
             poisson,
         )
+        n0 = (a1 * b2 - a2 * b1) / 6.0
+        n1 = (a2 * b0 - a0 * b2) / 6.0
+        n2 = (a0 * b1 - a1 * b0) / 6.0
+        volume += i0 * n0 + i1 * n1 + i2 * n2
+        pa = 0.25 * (s0 * a0 + s1 * a1 + s2 * a2)
+        pb = 0.25 * (s0 * b0 + s1 * b1 + s2 * b2)
+        pi = datum + s0 * i0 + s1 * i1 + s2 * i2 + pa + pb
         weight = penalty[t] * areas[t] / relaxation
-        for d, a, b in ((0, y00, y01), (1, y10, y11), (2, y20, y21)):
-            z0, z1 = a * p + b * q, a * q + b * s
+        for d, v, w, n in ((0, y00, y01, n0), (1, y10, y11, n1), (2, y20, y21, n2)):
+            z0, z1 = v * p + w * q, v * q + w * s
             z[t, d, 0], z[t, d, 1] = z0, z1
-            u[t, d, 0], u[t, d, 1] = a - z0, b - z1
-            w0, w1 = weight * (2.0 * z0 - a), weight * (2.0 * z1 - b)
-            rhs[i, d] += w0 * g0 + w1 * h0
-            rhs[j, d] += w0 * g1 + w1 * h1
-            rhs[k, d] += w0 * g2 + w1 * h2
+            u[t, d, 0], u[t, d, 1] = v - z0, w - z1
+            w0, w1 = weight * (2.0 * z0 - v), weight * (2.0 * z1 - w)
+            second, third = w0 * g1 + w1 * h1, w0 * g2 + w1 * h2
+            rhs[i, d] += pi * n - second - third
+            rhs[j, d] += (pi + pa) * n + second
+            rhs[k, d] += (pi + pb) * n + third
+            gradient[i, d] += n
+            gradient[j, d] += n
+            gradient[k, d] += n
+    _hold(free, gradient)
+    return volume
+
+
+@compiled
+def _hold(free: Bools, gradient: Array) -> None:
+    """Zero on nodes that are not ``free``."""
+    for node in range(gradient.shape[0]):
+        if not free[node]:
+            gradient[node, 0] = gradient[node, 1] = gradient[node, 2] = 0.0
+
+
+@compiled
+def volume_and_gradient(x: Array, triangles: Ints, free: Bools, gradient: Array) -> float:
+    """See ``cloth.reference.volume_and_gradient``."""
+    gradient[:] = 0.0
+    volume = 0.0
+    for t in range(triangles.shape[0]):
+        i, j, k = triangles[t]
+        i0, i1, i2 = x[i, 0], x[i, 1], x[i, 2]
+        a0, a1, a2 = x[j, 0] - i0, x[j, 1] - i1, x[j, 2] - i2
+        b0, b1, b2 = x[k, 0] - i0, x[k, 1] - i1, x[k, 2] - i2
+        n0 = (a1 * b2 - a2 * b1) / 6.0
+        n1 = (a2 * b0 - a0 * b2) / 6.0
+        n2 = (a0 * b1 - a1 * b0) / 6.0
+        volume += i0 * n0 + i1 * n1 + i2 * n2
+        for node in (i, j, k):
+            gradient[node, 0] += n0
+            gradient[node, 1] += n1
+            gradient[node, 2] += n2
+    _hold(free, gradient)
+    return volume
 
 
 @compiled
@@ -124,96 +176,6 @@ def principal_strains(x: Array, triangles: Ints, gradients: Array, strain: Array
         strain[t] = math.sqrt(mean + math.sqrt(half * half + b * b)) - 1.0
         worst = max(worst, strain[t])
     return worst
-
-
-@compiled
-def contact_step(
-    x: Array, limit: Array, weight: Array, relaxation: float, z: Array, u: Array, rhs: Array
-) -> None:
-    """See ``cloth.reference.contact_step``."""
-    for i in range(x.shape[0]):
-        if weight[i] <= 0.0:
-            continue
-        y0 = relaxation * x[i, 0] + (1.0 - relaxation) * z[i, 0] + u[i, 0]
-        y1 = relaxation * x[i, 1] + (1.0 - relaxation) * z[i, 1] + u[i, 1]
-        y2 = relaxation * x[i, 2] + (1.0 - relaxation) * z[i, 2] + u[i, 2]
-        radius = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
-        scale = min(1.0, limit[i] / max(radius, 1e-30))
-        z[i, 0], z[i, 1], z[i, 2] = scale * y0, scale * y1, scale * y2
-        u[i, 0], u[i, 1], u[i, 2] = y0 - z[i, 0], y1 - z[i, 1], y2 - z[i, 2]
-        for d in range(3):
-            rhs[i, d] += weight[i] * (z[i, d] - u[i, d])
-
-
-@compiled
-def volume_and_loads(
-    x: Array, triangles: Ints, slope: Array, free: Bools, gradient: Array, hydrostatic: Array
-) -> float:
-    """See ``cloth.reference.volume_and_loads``; fills the last two and returns the volume."""
-    gradient[:] = 0.0
-    hydrostatic[:] = 0.0
-    volume = 0.0
-    s0, s1, s2 = slope
-    for t in range(triangles.shape[0]):
-        i, j, k = triangles[t]
-        x0, x1, x2 = x[i, 0], x[i, 1], x[i, 2]
-        a0, a1, a2 = x[j, 0] - x0, x[j, 1] - x1, x[j, 2] - x2
-        b0, b1, b2 = x[k, 0] - x0, x[k, 1] - x1, x[k, 2] - x2
-        n0 = (a1 * b2 - a2 * b1) / 6.0
-        n1 = (a2 * b0 - a0 * b2) / 6.0
-        n2 = (a0 * b1 - a1 * b0) / 6.0
-        volume += x0 * n0 + x1 * n1 + x2 * n2
-        pi = s0 * x0 + s1 * x1 + s2 * x2
-        pa = s0 * a0 + s1 * a1 + s2 * a2
-        pb = s0 * b0 + s1 * b1 + s2 * b2
-        common = pi + 0.25 * (pa + pb)
-        for node, p in ((i, common), (j, common + 0.25 * pa), (k, common + 0.25 * pb)):
-            gradient[node, 0] += n0
-            gradient[node, 1] += n1
-            gradient[node, 2] += n2
-            hydrostatic[node, 0] += p * n0
-            hydrostatic[node, 1] += p * n1
-            hydrostatic[node, 2] += p * n2
-    for node in range(x.shape[0]):
-        if not free[node]:
-            gradient[node, :] = 0.0
-            hydrostatic[node, :] = 0.0
-    return volume
-
-
-@compiled
-def bending_rest_step(
-    gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
-) -> None:
-    """See ``cloth.reference.bending_rest_step``."""
-    for i in range(moment.shape[0]):
-        g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
-        square = g0 * g0 + g1 * g1 + g2 * g2
-        if square <= 0.0:
-            continue
-        scale = moment[i] / math.sqrt(square)
-        g0, g1, g2 = scale * g0, scale * g1, scale * g2
-        for p in range(starts[i], starts[i + 1]):
-            j, w = columns[p], values[p]
-            rhs[j, 0] += w * g0
-            rhs[j, 1] += w * g1
-            rhs[j, 2] += w * g2
-
-
-@compiled
-def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs: Array) -> None:
-    """See ``cloth.reference.normal_drag_step``."""
-    for i in range(x.shape[0]):
-        g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
-        square = g0 * g0 + g1 * g1 + g2 * g2
-        if square <= 0.0 or drag[i] <= 0.0:
-            continue
-        d = g0 * (x[i, 0] - anchor[i, 0])
-        d += g1 * (x[i, 1] - anchor[i, 1]) + g2 * (x[i, 2] - anchor[i, 2])
-        d *= drag[i] / square
-        rhs[i, 0] += d * g0
-        rhs[i, 1] += d * g1
-        rhs[i, 2] += d * g2
 
 
 @compiled

@@ -78,11 +78,10 @@ class System:
 
     def solve(self, right: Array) -> Array:
         """A^-1 ``right`` (n, 3); zero on the fixed nodes."""
-        work = right[self._order]
-        before = work.ravel().copy() if self._directions is not None else work
-        self._factor.solve(work)
-        if self._directions is not None:
-            low_rank_step(self._directions, before, work.reshape(-1))
         x = np.zeros((self.count, 3))
-        x[self._order] = work
+        self._factor.solve(right, self._order, x)
+        if self._directions is not None:
+            solved = x[self._order].reshape(-1)
+            low_rank_step(self._directions, right[self._order].reshape(-1), solved)
+            x[self._order] = solved.reshape(-1, 3)
         return x

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cloth import kernels
+from cloth import kernels, node_kernels
 from cloth.arrays import Array
 from cloth.bending import bending_of
 from cloth.linear import System, stretch_matrix
@@ -78,10 +78,8 @@ class ClothModel:
 
     def volume_and_gradient(self, position: Array) -> tuple[float, Array]:
         """The same and its derivative (n, 3) [m^2], zero on the fixed nodes."""
-        gradient, unused = np.empty_like(position), np.empty_like(position)
-        cone = kernels.volume_and_loads(
-            position, self.triangles, np.zeros(3), self.free, gradient, unused
-        )
+        gradient = np.empty_like(position)
+        cone = kernels.volume_and_gradient(position, self.triangles, self.free, gradient)
         return self.half_shell + float(cone), gradient
 
     def contact_weight(self, settings: Settings, b: float) -> Array:
@@ -99,7 +97,7 @@ class ClothModel:
         _, gradient = self.volume_and_gradient(position)
         force = np.asarray(-(self.bending.matrix @ position))
         bent = self.bending
-        kernels.bending_rest_step(
+        node_kernels.bending_rest_step(
             gradient, bent.starts, bent.columns, bent.values, bent.moment, force
         )
         return force

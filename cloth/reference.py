@@ -93,28 +93,61 @@ def contact_step(
     rhs[on] += weight[on, None] * (z[on] - u[on])
 
 
-def volume_and_loads(
-    x: Array, triangles: Ints, slope: Array, free: Bools, gradient: Array, hydrostatic: Array
-) -> float:
-    """Signed volume [m^3] of the cone from the origin over the cloth, and the load of its pressure.
+def volume_and_gradient(x: Array, triangles: Ints, free: Bools, gradient: Array) -> float:
+    """Signed volume [m^3] of the cone from the origin over the cloth.
 
-    ``gradient`` (n, 3) [m^2] becomes dV/dx of the free nodes: p0 times it is the load of a uniform
-    pressure p0. ``hydrostatic`` (n, 3) [N] becomes that of p = slope . x, ``slope`` (3,) [Pa/m]:
-    the gradient of the integral of p over the liquid, exact for the polyhedron (the mean of p over
-    a triangle weighted by the node's hat function). Exact for free nodes only, whose triangles
-    close a fan; fixed nodes get zero.
+    ``gradient`` (n, 3) [m^2] becomes dV/dx of the ``free`` nodes, zero elsewhere: p0 times it is
+    the load of a uniform pressure p0. Exact for free nodes whose triangles close a fan.
     """
     corner = x[triangles]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 6.0
-    pressure = corner @ slope
-    weighted = 0.25 * (pressure + pressure.sum(axis=1)[:, None])
     gradient[:] = 0.0
-    hydrostatic[:] = 0.0
     np.add.at(gradient, triangles, np.repeat(normal[:, None, :], 3, axis=1))
-    np.add.at(hydrostatic, triangles, weighted[:, :, None] * normal[:, None, :])
     gradient[~free] = 0.0
-    hydrostatic[~free] = 0.0
     return float(np.einsum("td,td->", corner[:, 0], normal))
+
+
+def pressure_step(x: Array, triangles: Ints, datum: float, slope: Array, rhs: Array) -> None:
+    """Add the load of p = ``datum`` [Pa] + ``slope`` . x, slope (3,) [Pa/m], to ``rhs`` (n, 3) [N].
+
+    The gradient of the integral of p over the liquid, exact for the polyhedron: the mean of p over
+    a triangle weighted by the node's hat function.
+    """
+    corner = x[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 6.0
+    pressure = datum + corner @ slope
+    weighted = 0.25 * (pressure + pressure.sum(axis=1)[:, None])
+    np.add.at(rhs, triangles, weighted[:, :, None] * normal[:, None, :])
+
+
+def triangle_step(
+    x: Array,
+    triangles: Ints,
+    gradients: Array,
+    areas: Array,
+    penalty: Array,
+    relaxation: float,
+    tensile: Array,
+    compressive: Array,
+    poisson: float,
+    z: Array,
+    u: Array,
+    datum: float,
+    slope: Array,
+    free: Bools,
+    gradient: Array,
+    rhs: Array,
+) -> float:
+    """``membrane_step``, ``pressure_step`` and ``volume_and_gradient``, whose result it returns.
+
+    One pass over the triangles in the compiled twin. ``rhs`` of fixed nodes means nothing.
+    """
+    membrane_step(
+        x, triangles, gradients, areas, penalty, relaxation, tensile, compressive, poisson,
+        z, u, rhs,
+    )  # fmt: skip
+    pressure_step(x, triangles, datum, slope, rhs)
+    return volume_and_gradient(x, triangles, free, gradient)
 
 
 def bending_rest_step(

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.kernels import principal_strains, volume_and_loads
+from cloth.kernels import principal_strains, volume_and_gradient
 from cloth.load import Load
 from cloth.material import Diaphragm
 from cloth.mesh import rest_gradients
@@ -149,11 +149,9 @@ class ThesisSheet:
         self, position: Array, velocity: Array, datum: float, body: Array, change: float, steps: int
     ) -> dict[str, Array]:
         """All that the next step starts from, and what the triangles say of it."""
-        strain, unused = np.empty(len(self.triangles)), np.empty((2, *position.shape))
+        strain, unused = np.empty(len(self.triangles)), np.empty_like(position)
         principal_strains(position, self.triangles, self._gradients, strain)
-        cone = volume_and_loads(
-            position, self.triangles, np.zeros(3), ~self.fixed, unused[0], unused[1]
-        )
+        cone = volume_and_gradient(position, self.triangles, ~self.fixed, unused)
         return {
             "position": position,
             "velocity": velocity,

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
-from cloth import kernels, reference
+from cloth import kernels, node_kernels, reference
 from cloth.bending import bending_of
 from cloth.factors import factor_of
 from cloth.linear import System, stretch_matrix
@@ -30,20 +30,21 @@ def crumpled(mesh: Mesh) -> np.ndarray:
     ("tensile", "compressive"), [(-1.0, 0.0), (-1.0, 10.0), (40.0, 0.0), (40.0, 5.0), (40.0, 40.0)]
 )
 @pytest.mark.parametrize("poisson", [0.0, 0.5])
-def test_membrane_step(mesh, crumpled, tensile, compressive, poisson):
+def test_triangle_step(mesh, crumpled, tensile, compressive, poisson):
     rng = np.random.default_rng(4)
     gradients, areas = rest_gradients(mesh.points, mesh.triangles)
     tensile, compressive = np.full(len(areas), tensile), np.full(len(areas), compressive)
     penalty = rng.uniform(50.0, 100.0, len(areas))
+    slope = np.array([100.0, -30.0, -9810.0])
     z0, u0 = rng.normal(size=(2, len(areas), 3, 2)) * 0.1
     answers = []
     for module in (reference, kernels):
-        z, u, rhs = z0.copy(), u0.copy(), np.zeros_like(crumpled)
-        module.membrane_step(
+        z, u, rhs, gradient = z0.copy(), u0.copy(), np.zeros_like(crumpled), np.empty_like(crumpled)
+        cone = module.triangle_step(
             crumpled, mesh.triangles, gradients, areas, penalty, 1.4, tensile, compressive,
-            poisson, z, u, rhs,
+            poisson, z, u, 700.0, slope, ~mesh.fixed, gradient, rhs,
         )  # fmt: skip
-        answers.append((z, u, rhs))
+        answers.append((z, u, rhs, gradient, np.array(cone)))
     for wanted, got in zip(*answers, strict=True):
         np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
 
@@ -51,11 +52,11 @@ def test_membrane_step(mesh, crumpled, tensile, compressive, poisson):
 def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
     gradients, areas = rest_gradients(mesh.points, mesh.triangles)
     z, u = np.zeros((2, len(areas), 3, 2))
-    rhs = np.zeros_like(mesh.points)
+    rhs, gradient = np.zeros((2, *mesh.points.shape))
     one = np.ones(len(areas))
-    kernels.membrane_step(
+    kernels.triangle_step(
         1.5 * mesh.points, mesh.triangles, gradients, areas, one, 1.0, -one, 0.0 * one, 0.5,
-        z, u, rhs,
+        z, u, 0.0, np.zeros(3), ~mesh.fixed, gradient, rhs,
     )  # fmt: skip
     np.testing.assert_allclose(np.linalg.svd(z, compute_uv=False), 1.0, atol=1e-12)
     np.testing.assert_allclose(u, 0.5 * z, atol=1e-12)
@@ -97,50 +98,39 @@ def test_shortening_one_triangle_is_exact(mesh):
     np.testing.assert_allclose(x.mean(axis=0), centre, atol=1e-14)
 
 
-def test_contact_step(mesh, crumpled):
-    rng = np.random.default_rng(5)
-    limit = rng.uniform(0.9, 1.0, len(crumpled))
-    weight = np.where(mesh.fixed, 0.0, 3.0)
-    z0, u0 = rng.normal(size=(2, *crumpled.shape)) * 0.1
+def test_volume_and_gradient(mesh, crumpled):
     answers = []
     for module in (reference, kernels):
-        z, u, rhs = z0.copy(), u0.copy(), np.zeros_like(crumpled)
-        module.contact_step(crumpled, limit, weight, 1.3, z, u, rhs)
-        answers.append((z, u, rhs))
-    for wanted, got in zip(*answers, strict=True):
-        np.testing.assert_allclose(got, wanted, atol=1e-12)
-
-
-def test_volume_and_loads(mesh, crumpled):
-    slope = np.array([100.0, -30.0, -9810.0])
-    answers = []
-    for module in (reference, kernels):
-        gradient, load = np.empty((2, *crumpled.shape))
-        cone = module.volume_and_loads(crumpled, mesh.triangles, slope, ~mesh.fixed, gradient, load)
-        answers.append((np.array(cone), gradient, load))
+        gradient = np.empty_like(crumpled)
+        cone = module.volume_and_gradient(crumpled, mesh.triangles, ~mesh.fixed, gradient)
+        answers.append((np.array(cone), gradient))
     for wanted, got in zip(*answers, strict=True):
         np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
 
 
-def test_bending_rest_step(mesh, crumpled):
-    bent = bending_of(mesh, np.ones(len(crumpled)))
-    wanted, got = np.zeros((2, *crumpled.shape))
-    gradient = crumpled * np.arange(len(crumpled))[:, None]  # one of them without a direction
-    for module, force in ((reference, wanted), (kernels, got)):
-        module.bending_rest_step(
-            gradient, bent.starts, bent.columns, bent.values, bent.moment, force
-        )
-    np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
-
-
-def test_normal_drag_step(mesh, crumpled):
-    rng = np.random.default_rng(6)
-    drag = np.where(mesh.fixed, 0.0, rng.uniform(1.0, 2.0, len(crumpled)))
+def test_node_step(mesh, crumpled):
+    """Contact, bending's moulded part and the drag's normal part, one after the other."""
+    rng = np.random.default_rng(5)
+    n = len(crumpled)
+    limit, weight = rng.uniform(0.9, 1.0, n), np.where(mesh.fixed, 0.0, 3.0)
+    drag = np.where(mesh.fixed, 0.0, rng.uniform(1.0, 2.0, n))
+    bent = bending_of(mesh, np.ones(n))
     gradient = rng.normal(size=crumpled.shape)
-    wanted, got = np.zeros((2, *crumpled.shape))
+    gradient[3] = 0.0  # a node without a normal
+    z0, u0 = rng.normal(size=(2, *crumpled.shape)) * 0.1
+    z, u, wanted = z0.copy(), u0.copy(), np.zeros_like(crumpled)
+    reference.contact_step(crumpled, limit, weight, 1.3, z, u, wanted)
+    reference.bending_rest_step(
+        gradient, bent.starts, bent.columns, bent.values, bent.moment, wanted
+    )
     reference.normal_drag_step(crumpled, mesh.points, gradient, drag, wanted)
-    kernels.normal_drag_step(crumpled, mesh.points, gradient, drag, got)
-    np.testing.assert_allclose(got, wanted, atol=1e-12)
+    got = np.zeros_like(crumpled)
+    node_kernels.node_step(
+        crumpled, limit, weight, 1.3, z0, u0, gradient,
+        bent.starts, bent.columns, bent.values, bent.moment, mesh.points, drag, got,
+    )  # fmt: skip
+    for right, answer in ((z, z0), (u, u0), (wanted, got)):
+        np.testing.assert_allclose(answer, right, atol=ROUNDING * np.abs(right).max())
 
 
 @pytest.mark.parametrize("rank", [0, 1, 7, 40])

@@ -8,6 +8,7 @@ import pytest
 from cloth import kernels
 from cloth.material import ELASTOMERS, Diaphragm, diaphragm
 from cloth.mesh import Mesh, border_nodes, hemisphere, lumped
+from cloth.reference import pressure_step
 
 
 def _pressure_integral(x: np.ndarray, mesh: Mesh, slope: np.ndarray) -> float:
@@ -25,15 +26,15 @@ def test_loads_are_gradients():
     x = mesh.points + np.where(mesh.fixed[:, None], 0.0, 0.05 * rng.normal(size=mesh.points.shape))
     move = np.where(mesh.fixed[:, None], 0.0, rng.normal(size=x.shape))
     slope = np.array([200.0, 0.0, -9810.0])
-    gradient, load = np.empty((2, *x.shape))
+    gradient, load = np.zeros((2, *x.shape))
 
     def volume(y: np.ndarray) -> float:
-        unused = np.empty((2, *x.shape))
-        return float(
-            kernels.volume_and_loads(y, mesh.triangles, slope, ~mesh.fixed, unused[0], unused[1])
-        )
+        unused = np.empty_like(y)
+        return float(kernels.volume_and_gradient(y, mesh.triangles, ~mesh.fixed, unused))
 
-    kernels.volume_and_loads(x, mesh.triangles, slope, ~mesh.fixed, gradient, load)
+    volume_of_x = kernels.volume_and_gradient(x, mesh.triangles, ~mesh.fixed, gradient)
+    assert volume_of_x == pytest.approx(volume(x), rel=1e-15)
+    pressure_step(x, mesh.triangles, 0.0, slope, load)  # the reference, which the kernels follow
     for energy, force in (
         (volume, gradient),
         (lambda y: _pressure_integral(y, mesh, slope), load),

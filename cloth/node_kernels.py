@@ -1,0 +1,85 @@
+"""What acts on nodes: the compiled twins of ``cloth.reference``, as in ``cloth.kernels``."""
+
+from __future__ import annotations
+
+import math
+
+from cloth.arrays import Array, Ints
+from cloth.compiled import compiled
+
+
+@compiled
+def contact_step(
+    x: Array, limit: Array, weight: Array, relaxation: float, z: Array, u: Array, rhs: Array
+) -> None:
+    """See ``cloth.reference.contact_step``."""
+    for i in range(x.shape[0]):
+        if weight[i] <= 0.0:
+            continue
+        y0 = relaxation * x[i, 0] + (1.0 - relaxation) * z[i, 0] + u[i, 0]
+        y1 = relaxation * x[i, 1] + (1.0 - relaxation) * z[i, 1] + u[i, 1]
+        y2 = relaxation * x[i, 2] + (1.0 - relaxation) * z[i, 2] + u[i, 2]
+        radius = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
+        scale = min(1.0, limit[i] / max(radius, 1e-30))
+        z[i, 0], z[i, 1], z[i, 2] = scale * y0, scale * y1, scale * y2
+        u[i, 0], u[i, 1], u[i, 2] = y0 - z[i, 0], y1 - z[i, 1], y2 - z[i, 2]
+        for d in range(3):
+            rhs[i, d] += weight[i] * (z[i, d] - u[i, d])
+
+
+@compiled
+def bending_rest_step(
+    gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
+) -> None:
+    """See ``cloth.reference.bending_rest_step``."""
+    for i in range(moment.shape[0]):
+        g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
+        square = g0 * g0 + g1 * g1 + g2 * g2
+        if square <= 0.0:
+            continue
+        scale = moment[i] / math.sqrt(square)
+        g0, g1, g2 = scale * g0, scale * g1, scale * g2
+        for p in range(starts[i], starts[i + 1]):
+            j, w = columns[p], values[p]
+            rhs[j, 0] += w * g0
+            rhs[j, 1] += w * g1
+            rhs[j, 2] += w * g2
+
+
+@compiled
+def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs: Array) -> None:
+    """See ``cloth.reference.normal_drag_step``."""
+    for i in range(x.shape[0]):
+        g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
+        square = g0 * g0 + g1 * g1 + g2 * g2
+        if square <= 0.0 or drag[i] <= 0.0:
+            continue
+        d = g0 * (x[i, 0] - anchor[i, 0])
+        d += g1 * (x[i, 1] - anchor[i, 1]) + g2 * (x[i, 2] - anchor[i, 2])
+        d *= drag[i] / square
+        rhs[i, 0] += d * g0
+        rhs[i, 1] += d * g1
+        rhs[i, 2] += d * g2
+
+
+@compiled
+def node_step(
+    x: Array,
+    limit: Array,
+    weight: Array,
+    relaxation: float,
+    z: Array,
+    u: Array,
+    gradient: Array,
+    starts: Ints,
+    columns: Ints,
+    values: Array,
+    moment: Array,
+    anchor: Array,
+    drag: Array,
+    rhs: Array,
+) -> None:
+    """``contact_step``, ``bending_rest_step`` and ``normal_drag_step`` in one call."""
+    contact_step(x, limit, weight, relaxation, z, u, rhs)
+    bending_rest_step(gradient, starts, columns, values, moment, rhs)
+    normal_drag_step(x, anchor, gradient, drag, rhs)
