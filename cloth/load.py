@@ -54,18 +54,21 @@ class Settings:
     iterations_max: int
 
 
-def raised(settings: Settings, load: Load, size: float) -> Settings:
-    """``settings`` with the penalty in proportion to ``load`` on a sheet of ``size`` [m].
+def raised(settings: Settings, load: Load, *, size: float, inertia: float) -> Settings:
+    """``settings`` with the penalty k in proportion to what a step of a sheet has to hold.
 
-    The iteration diverges where k is below half the tension and crawls where it is far above. A
-    dome of that size carries T = rho |b| size^2/2; k is raised by powers of four until it is above
-    that, so that a shaken tank needs few different matrices.
+    ``size`` L [m] of the sheet. ``inertia`` [N/m] is rho_d t L h/b^2, h the grid's spacing and b
+    the step's time: k between the inertia of the sheet's longest and of its shortest waves, or a
+    short step creeps and shakes itself. Below half the tension the iteration diverges, far above
+    it crawls: a dome carries T = rho |b| L^2/2, above which k is raised by powers of four, so
+    that a shaken tank needs few different matrices.
     """
+    least = max(settings.penalty, inertia)
     strength = float(np.linalg.norm(load.body_force))
-    ratio = 0.5 * load.density * strength * size**2 / settings.penalty
-    if not (math.isfinite(ratio) and ratio > 1.0):
-        return settings
-    return replace(settings, penalty=settings.penalty * 4.0 ** math.ceil(math.log(ratio, 4.0)))
+    ratio = 0.5 * load.density * strength * size**2 / least
+    if math.isfinite(ratio) and ratio > 1.0:
+        least *= 4.0 ** math.ceil(math.log(ratio, 4.0))
+    return replace(settings, penalty=least)
 
 
 DRY = Settings(

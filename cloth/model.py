@@ -22,7 +22,7 @@ class ClothModel:
     ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` (m,) [N/m]: E t of an elastic
     sheet, -1 where inextensible; ``compressive`` (m,) [N/m]; ``size`` [m], half the mesh's largest
     extent; ``clamped`` (n, 3) [m], where fixed nodes are held; ``mobility`` (n,) [1/kg], 0 where
-    fixed.
+    fixed; ``inertia`` [kg], of an area as long as the sheet and as wide as a triangle.
     """
 
     def __init__(
@@ -48,6 +48,8 @@ class ClothModel:
         self.thickness = thickness
         area = lumped(mesh)
         self.mass = lumped(mesh, diaphragm.density * thickness)
+        spacing = math.sqrt(2.0 * float(self.areas.mean()))
+        self.inertia = float(self.mass.sum() / area.sum()) * self.size * spacing
         self.mobility = np.where(self.free, 1.0 / self.mass, 0.0)
         self.self_contact = (
             SelfContact(mesh.triangles, self.mobility, float(thickness.max()))

@@ -110,7 +110,9 @@ class Cloth:
             rows = np.where(self.model.free[None, :, None], added_mass / kin.b, 0.0)
         if settings is None:
             settings = self.dry if rows is None else self.wet
-        settings = raised(settings, load, self.model.size)
+        settings = raised(
+            settings, load, size=self.model.size, inertia=self.model.inertia / kin.b**2
+        )
         system = self._factorised(settings, kin.b)
         system.add_mass(rows)
         self._problem = StepProblem(
