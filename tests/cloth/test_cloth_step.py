@@ -263,14 +263,20 @@ def test_kinematics_are_exact_for_parabolas():
 def test_momentum_balance_names_the_acceleration():
     """A free particle's limit: with no tension yet, a = b + force/m on a slack, unloaded sheet."""
     sheet = Diaphragm(density=1070.0, thickness=1.778e-3, youngs_modulus=0.0)
-    cloth = Cloth(mesh=hemisphere(R, 6), diaphragm=sheet, shell_radius=R, compressive_stiffness=0.0)
+    cloth = Cloth(
+        mesh=hemisphere(R, 6),
+        diaphragm=sheet,
+        shell_radius=R,
+        compressive_stiffness=0.0,
+        dry=replace(DRY, iterations=200),
+    )
     force = np.zeros_like(cloth.reference)
     force[0, 2] = -1e-4
     cloth.begin_step(1e-3, Water(None, np.zeros(3), datum=0.0))
     x = cloth.solve(force)
     still = cloth.solve(np.zeros_like(force))
     a = (x - cloth.inertial_prediction()) / cloth.acceleration_scale
-    assert a[0, 2] == pytest.approx(-1e-4 / cloth.mass[0], rel=0.1)
+    assert a[0, 2] == pytest.approx(-1e-4 / cloth.mass[0], rel=1e-4)
     np.testing.assert_allclose(still, cloth.reference, atol=1e-12)
 
 
