@@ -70,7 +70,7 @@ def static_level(*, fill_fraction: float = 0.8, resolution: int = 24) -> VerifyR
             quantity(
                 "roundness",
                 max(
-                    [_roundness(x, mesh.triangles, float(z)) for z in heights],
+                    [roundness(x, mesh.triangles, float(z)) for z in heights],
                     default=float(rim.max() / rim.min()),
                 ),
                 1.0,
@@ -100,7 +100,7 @@ def _moment(x: Array, triangles: Ints) -> float:
     return float(np.sum(cone * 0.25 * corner[:, :, 2].sum(axis=1))) - 0.25 * math.pi
 
 
-def _roundness(x: Array, triangles: Ints, height: float) -> float:
+def roundness(x: Array, triangles: Ints, height: float) -> float:
     """Largest over smallest distance from the z axis of the sheet's cut at ``height`` [m]."""
     start = x[triangles].reshape(-1, 3)
     end = x[np.roll(triangles, -1, axis=1)].reshape(-1, 3)

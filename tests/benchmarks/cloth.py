@@ -1,0 +1,206 @@
+"""The diaphragm's solver against the thesis' own, in one run: speed and error in one table.
+
+python tests/benchmarks/cloth.py [SECONDS] [--growth] shakes the tank of the thesis' Table 5
+(1.25 Hz, 0.25 m, fill fraction 0.8) with a hydrostatic liquid for SECONDS (default 4) and prints
+for every solver: nodes; step; inner iterations; wall seconds per simulated second, output left
+out; the largest tensile strain and the mean of its positive part; the worst error of the liquid's
+volume; the energy error; roundness at rest; the amplitude of the liquid's centre of gravity.
+--growth: the same for sheets of up to 12,000 nodes, with the exponent of the cost.
+
+Energy error: the kinetic energy that the solver's velocities say the sheet has at rest, over its
+weight times the tank's radius; 0 would be exact. Roundness: largest over smallest radius of the
+horizontal cut at 0.95 of the level's height, at rest. Wall times are of a shared machine: read
+their ratios, within one table.
+"""
+
+# ruff: noqa: E402
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path[0] = str(Path(__file__).parents[2])  # or this file would be taken for the package cloth
+
+import argparse
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from threadpoolctl import threadpool_limits
+
+from cloth.load import DRY
+from cloth.material import diaphragm
+from cloth.mesh import hemisphere
+from cloth.settle import settle
+from cloth.step import Cloth
+from cloth.thesis.grid import thesis_grid
+from cloth.thesis.sheet import ThesisSheet
+from coupling.metrics.harmonic import first_harmonic, last_whole_periods
+from coupling.numbers import level_of_fill_fraction
+from coupling.ports import Array, HydrostaticLoad
+from coupling.structure import liquid_cg
+from coupling.verify.static_level import level_height, roundness
+
+RADIUS, THICKNESS, FILL, DENSITY = 0.4445, 1.778e-3, 0.8, 1000.0
+FREQUENCY, AMPLITUDE = 1.25, 0.25
+VOLUME = FILL * 4.0 / 3.0 * math.pi * RADIUS**3
+GRAVITY = np.array([0.0, 0.0, -9.81])
+SHEET = diaphragm("AF-E-332", THICKNESS)
+Loads = Callable[[float], HydrostaticLoad]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One solver's figures, as the module's text defines them."""
+
+    wall: float
+    strain_max: float
+    strain_mean: float
+    volume: float
+    energy: float
+    roundness: float
+    amplitude: float
+
+
+def body_force(time: float) -> Array:
+    """Gravity less the tank's acceleration (3,) [m/s^2]; rest before 0, a ramp of one period."""
+    if time <= 0.0:
+        return GRAVITY
+    w, s = 2.0 * math.pi * FREQUENCY, min(time * FREQUENCY, 1.0)
+    ramp = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+    rise = 30.0 * s**2 * (1.0 - s) ** 2 * FREQUENCY
+    bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * FREQUENCY**2
+    sine, cosine = math.sin(w * time), math.cos(w * time)
+    push = AMPLITUDE * (bend * sine + 2.0 * rise * w * cosine - ramp * w * w * sine)
+    return GRAVITY - np.array([push, 0.0, 0.0])
+
+
+def conserving(time: float) -> HydrostaticLoad:
+    """Our liquid: its volume is kept."""
+    return HydrostaticLoad(density=DENSITY, body_force=body_force(time), volume=VOLUME)
+
+
+def fixed_datum(time: float) -> HydrostaticLoad:
+    """The thesis' liquid: its datum is that of a free level."""
+    b = body_force(time)
+    level = (level_of_fill_fraction(FILL) - 1.0) * RADIUS
+    datum = DENSITY * float(np.linalg.norm(b)) * level
+    return HydrostaticLoad(density=DENSITY, body_force=b, datum=datum)
+
+
+def shaken(cloth: Cloth | ThesisSheet, loads: Loads, step: float, seconds: float) -> Row:
+    """Figures of ``seconds`` of the pad sway from the state that ``cloth`` is in."""
+    rest = cloth.state.position
+    level = level_height(FILL) * RADIUS
+    energy = _energy_at_rest(cloth, loads, step)
+    round_at_rest = roundness(rest, cloth.triangles, 0.95 * level)
+    steps, wall, zero = round(seconds / step), 0.0, np.zeros_like(rest)
+    path, strain, volume = [], [], []
+    for k in range(steps):
+        load = loads((k + 1) * step)
+        clock = perf_counter()
+        cloth.begin_step(step, load)
+        cloth.solve(zero)
+        cloth.accept_step()
+        wall += perf_counter() - clock
+        state = cloth.state
+        path.append(state.position)
+        strain.append(np.maximum(state.strain, 0.0))
+        volume.append(state.volume)
+    times = step * np.arange(1, steps + 1)
+    cg = np.array(
+        [liquid_cg(x, cloth.triangles, RADIUS, v) for x, v in zip(path, volume, strict=True)]
+    )
+    chosen, periods = last_whole_periods(times, FREQUENCY, start=1.0 / FREQUENCY)
+    swing = first_harmonic(times[chosen], cg[chosen], FREQUENCY, periods=periods)
+    return Row(
+        wall=wall / seconds,
+        strain_max=float(np.max(strain)),
+        strain_mean=float(np.mean(strain)),
+        volume=float(np.max(np.abs(np.array(volume) / VOLUME - 1.0))),
+        energy=energy,
+        roundness=round_at_rest,
+        amplitude=float(swing.amplitude[0]),
+    )
+
+
+def _energy_at_rest(cloth: Cloth | ThesisSheet, loads: Loads, step: float) -> float:
+    """Mean kinetic energy over weight times radius [-] of 0.1 s at rest, from where it settled."""
+    weight = float(cloth.mass.sum()) * float(np.linalg.norm(GRAVITY))
+    energies = []
+    for _ in range(round(0.1 / step)):
+        cloth.begin_step(step, loads(0.0))
+        cloth.solve(np.zeros_like(cloth.reference))
+        cloth.accept_step()
+        speed = cloth.state.velocity
+        energies.append(0.5 * float(np.einsum("n,nd,nd->", cloth.mass, speed, speed)))
+    return float(np.mean(energies)) / (weight * RADIUS)
+
+
+def our_row(rings: int, step: float, iterations: int, seconds: float) -> tuple[int, Row]:
+    """Nodes and figures of our solver."""
+    cloth = Cloth(
+        mesh=hemisphere(RADIUS, rings), diaphragm=SHEET, shell_radius=RADIUS, self_contact=True,
+        dry=replace(DRY, iterations=iterations),
+    )  # fmt: skip
+    settle(cloth, conserving(0.0))
+    return len(cloth.mass), shaken(cloth, conserving, step, seconds)
+
+
+def thesis_row(seconds: float, step: float) -> tuple[int, Row]:
+    """Nodes and figures of the thesis' algorithm, in parts of 10 ms of its own ``step`` [s]."""
+    cloth = ThesisSheet(
+        grid=thesis_grid(RADIUS, 26), diaphragm=SHEET, shell_radius=RADIUS, step=step
+    )
+    cloth.begin_step(1.0, fixed_datum(0.0))
+    cloth.solve(np.zeros_like(cloth.reference))
+    cloth.accept_step()
+    return len(cloth.mass), shaken(cloth, fixed_datum, 0.01, seconds)
+
+
+def main() -> None:
+    """Print the table."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("seconds", nargs="?", type=float, default=4.0)
+    options.add_argument("--growth", action="store_true")
+    given = options.parse_args()
+    table = Table(
+        "solver", "nodes", "step ms", "iterations", "wall s/s", "strain max", "mean", "volume",
+        "energy", "roundness", "CG m",
+    )  # fmt: skip
+    sizes = [(17, 0.02, 12), (17, 0.01, 10), (17, 0.005, 10), (17, 0.01, 20), (24, 0.01, 10)]
+    if given.growth:
+        sizes = [(rings, 0.01, 10) for rings in (12, 17, 24, 36, 52, 73)]
+    our_row(6, 0.01, 2, 1.7)  # compiles, and is not shown
+    costs = []
+    if not given.growth:
+        thesis_row(1.7, 1e-3)
+        _add(table, "thesis", 1e-3, "", thesis_row(given.seconds, 1e-3))
+    for rings, step, iterations in sizes:
+        found = our_row(rings, step, iterations, given.seconds)
+        costs.append((found[0], found[1].wall))
+        _add(table, "this", step, str(iterations), found)
+    console = Console(width=140)
+    console.print(table)
+    if given.growth:
+        (n, first), (m, last) = costs[1], costs[-1]
+        slope = math.log(last / first) / math.log(m / n)
+        console.print(f"wall time grows as nodes^{slope:.2f} from {n} to {m} nodes")
+
+
+def _add(table: Table, solver: str, step: float, iterations: str, found: tuple[int, Row]) -> None:
+    nodes, row = found
+    table.add_row(
+        solver, str(nodes), f"{1e3 * step:g}", iterations, f"{row.wall:.2f}",
+        f"{100 * row.strain_max:.2f} %", f"{100 * row.strain_mean:.3f} %", f"{row.volume:.0e}",
+        f"{row.energy:.0e}", f"{row.roundness:.3f}", f"{row.amplitude:.4f}",
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    with threadpool_limits(1):
+        main()
