@@ -63,6 +63,12 @@ def _ratio(value: Any) -> str:
     return figure(value) if value is None or value <= 1e6 else "> 1e6"
 
 
+def _stress(summary: Mapping[str, Any]) -> str:
+    """The largest stress, and whether the rubber would bear it."""
+    text = figure(summary.get("stress_max_Pa"))
+    return f"{text}: the rubber would burst" if summary.get("would_burst") else text
+
+
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     """The main figures of a run's ``summary.json`` and where the results are."""
     coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
@@ -72,6 +78,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("model", summary.get("model")),
         ("simulated time [s]", summary.get("simulated_s")),
         ("largest tensile strain", summary.get("strain_tensile_max")),
+        ("largest stress [Pa]", _stress(summary)),
         ("largest volume error", summary.get("volume_error_max")),
         ("iterations a step, mean", coupling.get("iterations_mean")),
         ("iterations a step, most", coupling.get("iterations_max")),

@@ -31,7 +31,7 @@ def summarise(
     liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
     What cannot be said at all is null.
     """
-    fits = harmonics(results, scene)
+    fits, strength = harmonics(results, scene), scene.diaphragm.strength
     steps = max(statistics.steps, 1)
     content: dict[str, Any] = {
         "status": status,
@@ -43,6 +43,7 @@ def summarise(
         "strain_tensile_max": statistics.strain_tensile_max,
         "tension_max_N_per_m": statistics.tension_max,
         "stress_max_Pa": statistics.stress_max,
+        "would_burst": None if strength is None else statistics.stress_max > strength,
         "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,
         "coupling": {

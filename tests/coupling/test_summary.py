@@ -73,3 +73,16 @@ def test_a_run_cut_short_is_valid_json_with_null_for_what_it_cannot_say(
     assert (summary["cg"]["amplitude_m"][0] is None) == (count < 2)
     assert (summary["cg"]["mean_m"][0] is None) == (count == 0)
     assert summary["bernoulli"]["kinetic_ratio"] is None
+
+
+def test_a_stress_above_the_strength_is_said_and_an_unknown_one_is_not_judged(
+    tmp_path: Path,
+) -> None:
+    run.write_run(tmp_path)
+    results, scene = read_results(tmp_path), run.scene()
+    assert summarise(results, run.statistics(), scene, "completed", None)["would_burst"] is None
+    for strength, bursts in ((1e5, True), (3e5, False)):  # the known run's stress is 2e5 Pa
+        rubber = scene.diaphragm.model_copy(update={"strength": strength})
+        judged = scene.model_copy(update={"diaphragm": rubber})
+        found = summarise(results, run.statistics(), judged, "completed", None)
+        assert found["would_burst"] is bursts
