@@ -15,6 +15,7 @@ from coupling.metrics.gravity_centre import (
     peak_amplitude,
 )
 from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_periods
+from coupling.metrics.rubs import rub
 from coupling.ports import Array, RunStatistics
 from coupling.results import Results
 from coupling.scene import Scene
@@ -29,7 +30,8 @@ def summarise(
     against the tank's displacement. A run shorter than a period, or a motion without one, gives
     half the peak-to-peak range and no phase (null). A model without a flow does not know the
     liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
-    What cannot be said at all is null.
+    ``rubbing`` is what had gathered at the last instant, null where nothing slid. What cannot be
+    said at all is null.
     """
     fits, strength = harmonics(results, scene), scene.diaphragm.strength
     steps = max(statistics.steps, 1)
@@ -44,6 +46,7 @@ def summarise(
         "tension_max_N_per_m": statistics.tension_max,
         "stress_max_Pa": statistics.stress_max,
         "would_burst": None if strength is None else statistics.stress_max > strength,
+        "rubbing": _rubbing(results),
         "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,
         "coupling": {
@@ -62,6 +65,19 @@ def summarise(
     }
     cleaned: dict[str, Any] = plain(content)
     return cleaned
+
+
+def _rubbing(results: Results) -> dict[str, Any]:
+    shell = itself = None
+    if len(results.time):
+        shell = rub(results.shell_slip[-1], results.reference, results.triangles)
+        itself = rub(results.self_slip[-1], results.reference, results.triangles)
+    return {
+        "shell_slip_max_m": shell and shell.largest,
+        "shell_slip_mean_m": shell and shell.mean,
+        "shell_slip_place_deg": shell and shell.place,
+        "self_slip_max_m": itself and itself.largest,
+    }
 
 
 def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
