@@ -9,8 +9,8 @@ import numpy as np
 from cloth import kernels
 from cloth.arrays import Array, Bools
 from cloth.contact import clamp_to_shell
-from cloth.contact_result import Contact
 from cloth.model import ClothModel
+from cloth.self_contact.result import Contact
 
 VOLUME_TOLERANCE = 1e-13  # relative, aimed at
 VOLUME_ALLOWED = 1e-8  # relative, above which a step counts as not converged

@@ -10,13 +10,13 @@ import numpy as np
 from cloth import kernels, node_kernels
 from cloth.arrays import Array
 from cloth.contact import clamp_to_shell
-from cloth.contact_planes import Planes
-from cloth.contact_result import Contact
 from cloth.ending import Bounds, VolumeLostError, ending
 from cloth.inertia import Kinematics
 from cloth.linear import System
 from cloth.load import Load, Settings
 from cloth.model import ClothModel
+from cloth.self_contact.planes import Planes
+from cloth.self_contact.result import Contact
 
 RESPONSE_EVERY = 5  # iterations between two of the volume's answers to the datum
 CONTACT_EVERY = 10  # further iterations between two looks at what touches

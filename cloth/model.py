@@ -13,7 +13,7 @@ from cloth.linear import System, stretch_matrix
 from cloth.load import Settings
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh, lumped, rest_gradients
-from cloth.self_contact import SelfContact
+from cloth.self_contact.resolve import SelfContact
 
 
 class ClothModel:

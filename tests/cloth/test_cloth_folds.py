@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_cloth_step import GRAVITY, TANK, Water, build, run_under, sway_acceleration
 
-from cloth.intersection import crossing_pairs
+from cloth.self_contact.crossing import crossing_pairs
 from cloth.settle import settle
 
 STEP, FREQUENCY = 0.005, 2.0

@@ -7,14 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cloth import broad_phase, contact_pairs, contact_planes, intersection, proximity
-from cloth import self_contact_reference as reference
-from cloth.contact_zones import translated
-from cloth.intersection import crossing_pairs
 from cloth.mesh import hemisphere
-from cloth.proximity import EDGES, VERTEX
-from cloth.self_contact import SelfContact
-from cloth.sheet_features import Features
+from cloth.self_contact import broad_phase, proximity, reference
+from cloth.self_contact import pairs as contact_pairs
+from cloth.self_contact import planes as contact_planes
+from cloth.self_contact.crossing import crossing_kernel, crossing_pairs
+from cloth.self_contact.features import Features
+from cloth.self_contact.proximity import EDGES, VERTEX
+from cloth.self_contact.resolve import SelfContact
+from cloth.self_contact.zones import translated
 
 H = 1.8e-3
 
@@ -110,7 +111,7 @@ def test_crossing_pairs_and_boxes_match_the_reference(noise):
     np.testing.assert_array_equal(found, wanted)
     crossing = reference.crossing_kernel(x, mesh.triangles, wanted, 1e-14)
     np.testing.assert_array_equal(crossing_pairs(x, mesh.triangles), crossing)
-    kernel = intersection.crossing_kernel(x, mesh.triangles, wanted, 1e-14)
+    kernel = crossing_kernel(x, mesh.triangles, wanted, 1e-14)
     np.testing.assert_array_equal(kernel, crossing)
     assert (len(crossing) > 0) == (noise > 0.0)
 
@@ -319,9 +320,9 @@ def test_random_motions_never_end_in_a_crossing(seed, size):
 @pytest.mark.parametrize("held", [12, 0])
 def test_the_fail_safe_alone_keeps_everything_free(monkeypatch, caplog, zones, held):
     """Without any pushing: zones, then held nodes, then the whole sheet, and it is said."""
-    monkeypatch.setattr("cloth.self_contact.ROUNDS", 0)
-    monkeypatch.setattr("cloth.self_contact.ZONES", zones)
-    monkeypatch.setattr("cloth.self_contact.HELD", held)
+    monkeypatch.setattr("cloth.self_contact.resolve.ROUNDS", 0)
+    monkeypatch.setattr("cloth.self_contact.resolve.ZONES", zones)
+    monkeypatch.setattr("cloth.self_contact.resolve.HELD", held)
     mesh, rng = hemisphere(0.2, 5), np.random.default_rng(3)
     guard = contact(mesh.triangles, np.where(mesh.fixed, 0.0, 1.0))
     x, used = mesh.points, np.zeros(3, dtype=int)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.proximity import VERTEX
+from cloth.self_contact.proximity import VERTEX
 
 
 def near_boxes(lower: Array, upper: Array) -> Ints:

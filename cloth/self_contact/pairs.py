@@ -8,8 +8,8 @@ import numpy as np
 
 from cloth.arrays import Array, Bools, Ints
 from cloth.compiled import compiled
-from cloth.intersection import share_node
-from cloth.proximity import VERTEX, approach, difference, meeting, nearest
+from cloth.self_contact.crossing import share_node
+from cloth.self_contact.proximity import VERTEX, approach, difference, meeting, nearest
 
 STOP = 0.1  # share of the gap at the start, or of the thickness, that a motion must leave
 GROWTH = 0.05  # of the thickness, by which a gap below it may grow within a step
@@ -38,7 +38,7 @@ def _spread(x: Array, triangles: Ints, s: int, t: int, n0: float, n1: float, n2:
 def approaching_kernel(
     start: Array, end: Array, centres: Array, triangles: Ints, near: Ints, margin: float
 ) -> Ints:
-    """See ``cloth.self_contact_reference.approaching_kernel``."""
+    """See ``cloth.self_contact.reference.approaching_kernel``."""
     found, count = np.empty_like(near), 0
     for pair in range(near.shape[0]):
         s, t = near[pair, 0], near[pair, 1]
@@ -75,7 +75,7 @@ def _separates(p: Array, q: Array, first: int, n: Array, margin: float) -> bool:
 def candidate_kernel(
     start: Array, end: Array, pairs: Ints, margin: float, gaps: Array, kept: Bools
 ) -> None:
-    """See ``cloth.self_contact_reference.candidate_kernel``."""
+    """See ``cloth.self_contact.reference.candidate_kernel``."""
     p, q, w, out = np.empty((4, 3)), np.empty((4, 3)), np.empty(4), np.empty(3)
     for k in range(len(pairs)):
         first = 1 if pairs[k, 0] == VERTEX else 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cloth.arrays import Ints
-from cloth.proximity import EDGES, VERTEX
+from cloth.self_contact.proximity import EDGES, VERTEX
 
 
 class Features:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cloth.arrays import Array, Ints
-from cloth.broad_phase import motion_boxes, near_boxes
 from cloth.compiled import compiled
+from cloth.self_contact.broad_phase import motion_boxes, near_boxes
 
 PIERCING = 1e-12  # least volume of the five tetrahedra of a piercing, over the box's extent cubed
 
@@ -64,7 +64,7 @@ def share_node(triangles: Ints, s: int, t: int) -> bool:
 
 @compiled
 def crossing_kernel(x: Array, triangles: Ints, pairs: Ints, least: float) -> Ints:
-    """See ``cloth.self_contact_reference.crossing_kernel``."""
+    """See ``cloth.self_contact.reference.crossing_kernel``."""
     found, count = np.empty_like(pairs), 0
     for k in range(pairs.shape[0]):
         s, t = pairs[k, 0], pairs[k, 1]

@@ -45,7 +45,7 @@ def project_planes(
     sweeps: int,
     z: Array,
 ) -> None:
-    """See ``cloth.self_contact_reference.project_planes``."""
+    """See ``cloth.self_contact.reference.project_planes``."""
     for _ in range(sweeps):
         for k in range(len(nodes)):
             gap, total = 0.0, 0.0
@@ -84,7 +84,7 @@ def plane_step(
     u: Array,
     rhs: Array,
 ) -> None:
-    """See ``cloth.self_contact_reference.plane_step``."""
+    """See ``cloth.self_contact.reference.plane_step``."""
     before = z.copy()
     project_planes(nodes, weights, normal, rest, inverse_mass, limit, sweeps, z)
     for i in range(len(z)):

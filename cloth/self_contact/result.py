@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.contact_pairs import end_gaps
-from cloth.contact_planes import Planes
+from cloth.self_contact.pairs import end_gaps
+from cloth.self_contact.planes import Planes
 
 TOUCHING = 1.2  # thicknesses up to which a pair is reported
 NEAR = 1.5  # thicknesses up to which nodes are kept out of what follows
@@ -19,7 +19,7 @@ class Contact:
     """The end of a step without crossings.
 
     ``thickness`` [m]; ``position`` (n, 3) [m]. Touching pairs: ``pairs`` (k, 5), kind
-    (``cloth.proximity``) and four nodes; ``weights`` (k, 4) of their nearest points; ``normal``
+    (``proximity``) and four nodes; ``weights`` (k, 4) of their nearest points; ``normal``
     (k, 3) from the second side to the first; ``gap`` (k,) between mid-surfaces [m]; ``slip``
     (k, 3) [m], the first side's motion along the second during the step. ``near`` (n,): nodes of
     pairs within 1.5 thicknesses, and those ``held``. ``moved`` [m], the largest correction;

@@ -7,16 +7,16 @@ import logging
 import numpy as np
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.broad_phase import motion_boxes, near_boxes
-from cloth.contact_pairs import (
+from cloth.self_contact.broad_phase import motion_boxes, near_boxes
+from cloth.self_contact.crossing import crossings_among
+from cloth.self_contact.features import Features
+from cloth.self_contact.pairs import (
     approaching_kernel,
     candidate_kernel,
     separation_rounds,
 )
-from cloth.contact_result import Contact, touching
-from cloth.contact_zones import translated
-from cloth.intersection import crossings_among
-from cloth.sheet_features import Features
+from cloth.self_contact.result import Contact, touching
+from cloth.self_contact.zones import translated
 
 log = logging.getLogger(__name__)
 
