@@ -66,17 +66,28 @@ def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics
     _, per_step = np.unique(iterations[:, 0], return_counts=True)
     largest = {name: float(np.nanmax(values)) for name, values in results.metrics.items()}
     simulated = float(results.time[-1])
+    stress = results.tension / _thickness(results, scene)
     return RunStatistics(
         steps=round(simulated / scene.time.step),
         simulated_s=simulated,
         wall_s=float(iterations[:, 3].sum()),
         strain_tensile_max=float(results.strain.max(initial=0.0)),
+        tension_max=float(results.tension.max(initial=0.0)),
+        stress_max=float(stress.max(initial=0.0)),
         volume_error_max=float(np.abs(results.volume / scene.liquid_volume - 1.0).max()),
         iterations_total=int(per_step.sum()),
         iterations_max=int(per_step.max(initial=0)),
         speed_max=largest.get("speed_max"),
         dphi_dt_max=largest.get("dphi_dt_max"),
     )
+
+
+def _thickness(results: Results, scene: Scene) -> Array | float:
+    """Of the rubber [m]; of every triangle (m,) where a map gives it."""
+    ridges = scene.diaphragm.moulded_thickness
+    if ridges is None:
+        return scene.diaphragm.thickness
+    return ridges.at(results.reference[results.triangles].mean(axis=1))
 
 
 def pressure_rms(run: RunFiles) -> tuple[Array, Array]:

@@ -21,11 +21,13 @@ from coupling.report.figures import (
 from coupling.report.files import RunFiles
 from coupling.report.instants import sections, views
 from coupling.report.page import Page, Picture, Section, number
+from coupling.report.rub_maps import rub_maps
 from coupling.report.scene_table import (
     bernoulli_table,
     cost_table,
     motion_table,
     quality_table,
+    rubber_table,
     scene_tables,
 )
 from coupling.report.verdict import bernoulli_keys, verdict
@@ -60,6 +62,8 @@ def _sections(run: RunFiles) -> list[Section]:
         sections.append(
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
         )
+    if len(run.results.time) and run.scene.cloth.grid != "thesis":  # which knows no tension
+        sections.append(_rubber(run))
     return [
         *sections,
         quality_section(run),
@@ -110,6 +114,16 @@ def _motion(run: RunFiles) -> Section:
                 "Force of the liquid on tank and diaphragm, without the liquid’s weight.",
             ),
         ],
+    )
+
+
+def _rubber(run: RunFiles) -> Section:
+    maps = rub_maps(run)
+    return Section(
+        title="How hard the rubber is pulled, and where it rubs",
+        tables=[rubber_table(run)],
+        pictures=maps,
+        columns=max(1, len(maps)),
     )
 
 

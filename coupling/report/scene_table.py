@@ -140,11 +140,50 @@ def quality_table(run: RunFiles) -> Table:
         ["Iterations a step, most", number(coupling["iterations_max"])],
         ["Steps that did not converge", number(coupling["unconverged_steps"])],
     ]
+    count = summary.get("halved_steps")
+    halved = [["Steps that had to be halved", number(count, digits=6)]] if count else []
     rows = [
         ["Steps", number(summary["steps"], digits=6)],
+        *halved,
         *(coupled if run.has_flow else [["Coupling", "none: no flow"]]),
         ["Largest tensile strain", percent(summary["strain_tensile_max"])],
         ["Largest volume error", number(summary["volume_error_max"])],
         ["Force against momentum", percent(summary["force"].get("momentum_imbalance"))],
     ]
     return Table(head=["Quality", ""], rows=rows)
+
+
+def rubber_table(run: RunFiles) -> Table:
+    """How hard the rubber was pulled, and how far it slid."""
+    summary, strength = run.summary, run.scene.diaphragm.strength
+    stress = summary.get("stress_max_Pa")
+    rows = [
+        ["Largest tension", number(summary.get("tension_max_N_per_m"), "N/m")],
+        ["Largest stress", number(None if stress is None else 1e-6 * stress, "MPa")],
+    ]
+    if strength is not None:
+        rows.append(["Strength of the rubber", number(1e-6 * strength, "MPa")])
+    if "rubbing" in summary:
+        rows += _slips(summary["rubbing"])
+    return Table(
+        head=["Rubber", ""],
+        rows=rows,
+        note="Tension and stress are the largest of all steps and triangles. Slip is the way that "
+        "a point slides while it is pressed on, gathered over the run. All of them depend on "
+        "the step and on the diaphragm’s iterations: compare runs that share both.",
+    )
+
+
+def _slips(rubbing: dict[str, Any]) -> list[list[str]]:
+    rows = [["Largest slip on the shell", _slip(rubbing["shell_slip_max_m"])]]
+    if rubbing["shell_slip_place_deg"] is not None:
+        polar, azimuth = (round(angle) % 360 for angle in rubbing["shell_slip_place_deg"])
+        rows += [
+            ["… from the moulded pole, azimuth", f"{polar}°, {azimuth}°"],
+            ["Mean slip on the shell", _slip(rubbing["shell_slip_mean_m"])],
+        ]
+    return [*rows, ["Largest slip on itself", _slip(rubbing["self_slip_max_m"])]]
+
+
+def _slip(value: float | None) -> str:
+    return "none" if value is None else number(1e3 * value, "mm")

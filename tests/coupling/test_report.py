@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -13,13 +15,17 @@ from matplotlib.image import imread
 
 from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
-from coupling.ports import RunStatistics
+from coupling.ports import Array, RunStatistics
 from coupling.report import render_picture, write_report
+from coupling.report.files import RunFiles, read_run
 from coupling.report.page import number, percent
 from coupling.report.picture import period_rows
+from coupling.report.rub_maps import rub_maps
+from coupling.report.run_report import run_page
+from coupling.report.scene_table import quality_table, rubber_table
 from coupling.report.section_cut import cut
 from coupling.results import ResultsWriter, read_results
-from coupling.scene import scene_toml
+from coupling.scene import Scene, scene_toml
 
 
 class Page(HTMLParser):
@@ -71,7 +77,8 @@ def test_a_run_is_reported_with_its_verdict_and_figures(tmp_path: Path) -> None:
     )
     text, page = parsed(write_report(tmp_path))
     assert "it leaves out 20\u202f% of the liquid&#39;s momentum" in text
-    assert len(page.images) == 8 + 1 + 2 + 2 + 4  # instants, scale, pressures, motions, quality
+    # instants, scale, pressures, motions, slip on the shell, quality
+    assert len(page.images) == 8 + 1 + 2 + 2 + 1 + 4
     assert "−30.0" in text  # the lag of the CG
     assert "Known run" in text
 
@@ -149,3 +156,87 @@ def test_numbers_are_written_for_readers() -> None:
     assert percent(0.0123) == "1.2\u202f%"
     assert percent(0.00042) == "0.042\u202f%"
     assert percent(0.0) == "0\u202f%"
+
+
+def rubbed(folder: Path, *, on_shell: Array | float, on_itself: Array | float) -> RunFiles:
+    """The known run with the slips (n,) [m] at its end."""
+    whole_run(folder)
+    files = read_run(folder)
+    slid = np.zeros_like(files.results.shell_slip)
+    shell, itself = slid.copy(), slid.copy()
+    shell[-1], itself[-1] = on_shell, on_itself
+    results = replace(files.results, shell_slip=shell, self_slip=itself)
+    content = summarise(results, run.statistics(), files.scene, "completed", None)
+    return replace(files, results=results, summary=content)
+
+
+def with_rubber(scene: Scene, **stated: float) -> Scene:
+    return scene.model_copy(update={"diaphragm": scene.diaphragm.model_copy(update=stated)})
+
+
+@pytest.mark.parametrize(
+    ("on_shell", "on_itself", "told"),
+    [(0.0, 0.0, []), (0.01, 0.0, ["shell"]), (0.0, 0.01, ["itself"]), (1, 1, ["shell", "itself"])],
+)
+def test_what_has_not_slid_is_not_drawn(
+    tmp_path: Path, on_shell: float, on_itself: float, told: list[str]
+) -> None:
+    maps = rub_maps(rubbed(tmp_path, on_shell=on_shell, on_itself=on_itself))
+    named = [re.match(r"Where it rubs on (the )?(\w+):", item.caption) for item in maps]
+    assert [match and match[2] for match in named] == told
+
+
+def test_a_map_is_an_image_under_its_lines(tmp_path: Path) -> None:
+    """Drawn as triangles, it would grow with the sheet."""
+    files = rubbed(tmp_path, on_shell=0.01, on_itself=0.0)
+    text = base64.b64decode(rub_maps(files)[0].source.partition(",")[2]).decode()
+    assert text.count("<image") == 2  # the map and its scale
+    assert text.count("<path") < len(files.results.triangles) / 2
+
+
+def test_the_rubber_is_told_beside_its_strength(tmp_path: Path) -> None:
+    slip = np.zeros(len(run.disc()[0]))
+    slip[2] = 0.0123  # of the first ring, of eight: 90/8 degrees from the pole, and at 60 of 360
+    files = rubbed(tmp_path, on_shell=slip, on_itself=0.002)
+    rows = dict(rubber_table(files).rows)
+    assert rows["Largest tension"] == "320\u202fN/m"
+    assert rows["Largest stress"] == "0.2\u202fMPa"
+    assert rows["Largest slip on the shell"] == "12.3\u202fmm"
+    assert rows["… from the moulded pole, azimuth"] == "11°, 60°"
+    assert rows["Largest slip on itself"] == "2\u202fmm"
+    assert "Strength of the rubber" not in rows
+    strong = dict(
+        rubber_table(replace(files, scene=with_rubber(files.scene, strength=11.4e6))).rows
+    )
+    assert strong["Strength of the rubber"] == "11.4\u202fMPa"
+
+
+def test_rubber_that_has_not_slid_is_said_to(tmp_path: Path) -> None:
+    rows = dict(rubber_table(rubbed(tmp_path, on_shell=0.0, on_itself=0.0)).rows)
+    assert rows["Largest slip on the shell"] == rows["Largest slip on itself"] == "none"
+    assert "Mean slip on the shell" not in rows
+
+
+def test_halved_steps_are_told_only_where_there_are_any(tmp_path: Path) -> None:
+    whole_run(tmp_path)
+    files = read_run(tmp_path)
+    assert "Steps that had to be halved" not in dict(quality_table(files).rows)
+    halved = replace(files, summary=files.summary | {"halved_steps": 3})
+    assert dict(quality_table(halved).rows)["Steps that had to be halved"] == "3"
+
+
+def test_the_tension_of_a_run_still_going_is_that_of_its_instants(tmp_path: Path) -> None:
+    whole_run(tmp_path)
+    (tmp_path / "summary.json").unlink()
+    told = read_run(tmp_path).summary
+    assert told["tension_max_N_per_m"] == 300.0
+    assert told["stress_max_Pa"] == pytest.approx(300.0 / 0.0018)
+
+
+def test_a_sheet_that_knows_no_tension_has_none_in_its_report(tmp_path: Path) -> None:
+    whole_run(tmp_path)
+    files = read_run(tmp_path)
+    cloth = files.scene.cloth.model_copy(update={"grid": "thesis"})
+    thesis = replace(files, scene=files.scene.model_copy(update={"cloth": cloth}))
+    told = [[item.title for item in run_page(one).sections] for one in (files, thesis)]
+    assert set(told[0]) - set(told[1]) == {"How hard the rubber is pulled, and where it rubs"}
