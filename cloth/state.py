@@ -18,7 +18,8 @@ class ClothState:
     [m^3]; ``strain`` and ``tension`` (m,) [-, N/m], the largest principal ones of every triangle;
     ``shell_slip``, ``self_slip`` (n,) [m]: how far a node has slid so far, pressed on the shell
     and on another part of the sheet; ``change``: the last inner iteration's rms displacement [m],
-    the solver's own error.
+    the solver's own error. The largest tensions do not converge: where the sheet snaps taut they
+    grow as 1/step, and where it is locked against the shell they are not unique.
     """
 
     position: Array

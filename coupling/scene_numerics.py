@@ -48,7 +48,7 @@ class Cloth(Section):
         description="inner iterations of a solve; 10, or 20 with a flow, if left out",
     )
     bending_damping: float = Field(
-        default=0.3,
+        default=1.0,
         ge=0,
         description="bending moment per rate over that per curvature [s]; stands for folds below "
         "the grid",

@@ -32,7 +32,9 @@ class Tally:
         statistics = self.statistics
         statistics.strain_tensile_max = max(statistics.strain_tensile_max, strain)
         statistics.halved_steps += steps > 1
-        self._stress(time, state.tension)
+        statistics.tension_max = max(statistics.tension_max, float(state.tension.max()))
+        stress = float((state.tension / self.thickness).max())
+        statistics.stress_max = max(statistics.stress_max, stress)
         if not converged:
             limit = self.scene.cloth.strain_limit
             self._unconverged(
@@ -40,21 +42,6 @@ class Tally:
                 f"(cloth.strain_limit {limit:g}).",
                 "Raise cloth.iterations, or halve time.step.",
             )
-
-    def _stress(self, time: float, tension: Array) -> None:
-        """The first time that the rubber would tear is said; the sheet of the model cannot."""
-        statistics = self.statistics
-        stress = float((tension / self.thickness).max())
-        strength = self.scene.diaphragm.strength
-        if strength is not None and statistics.stress_max <= strength < stress:
-            _log.warning(
-                "t = %.6g s: the tension reaches %.3g N/m, a stress of %.3g MPa, above "
-                "diaphragm.strength of %.3g MPa: the rubber would burst. What follows is that of "
-                "a sheet that cannot. Take a thicker diaphragm, or a gentler motion.",
-                time, tension.max(), 1e-6 * stress, 1e-6 * strength,
-            )  # fmt: skip
-        statistics.tension_max = max(statistics.tension_max, float(tension.max()))
-        statistics.stress_max = max(statistics.stress_max, stress)
 
     def volume(self, error: float) -> None:
         """Relative ``error`` of the liquid's volume after a step."""

@@ -19,6 +19,7 @@ from coupling.metrics.rubs import rub
 from coupling.ports import Array, RunStatistics
 from coupling.results import Results
 from coupling.scene import Scene
+from coupling.strength import stress_estimate
 
 
 def summarise(
@@ -45,7 +46,7 @@ def summarise(
         "strain_tensile_max": statistics.strain_tensile_max,
         "tension_max_N_per_m": statistics.tension_max,
         "stress_max_Pa": statistics.stress_max,
-        "would_burst": None if strength is None else statistics.stress_max > strength,
+        "would_burst": None if strength is None else stress_estimate(scene) > strength,
         "rubbing": _rubbing(results),
         "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,

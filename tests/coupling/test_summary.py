@@ -16,6 +16,7 @@ from coupling.metrics.summary import summarise
 from coupling.ports import RunStatistics
 from coupling.results import Results, read_results
 from coupling.results_layout import FIELDS
+from coupling.strength import stress_estimate
 
 
 def cut(results: Results, count: int) -> Results:
@@ -75,13 +76,14 @@ def test_a_run_cut_short_is_valid_json_with_null_for_what_it_cannot_say(
     assert summary["bernoulli"]["kinetic_ratio"] is None
 
 
-def test_a_stress_above_the_strength_is_said_and_an_unknown_one_is_not_judged(
+def test_a_motion_beyond_the_strength_is_said_and_an_unknown_one_is_not_judged(
     tmp_path: Path,
 ) -> None:
     run.write_run(tmp_path)
     results, scene = read_results(tmp_path), run.scene()
     assert summarise(results, run.statistics(), scene, "completed", None)["would_burst"] is None
-    for strength, bursts in ((1e5, True), (3e5, False)):  # the known run's stress is 2e5 Pa
+    estimate = stress_estimate(scene)
+    for strength, bursts in ((0.9 * estimate, True), (1.1 * estimate, False)):
         rubber = scene.diaphragm.model_copy(update={"strength": strength})
         judged = scene.model_copy(update={"diaphragm": rubber})
         found = summarise(results, run.statistics(), judged, "completed", None)
