@@ -5,11 +5,14 @@ foam_cases/pad_sway_coarse at the scene's own tolerance. Wall times are of one r
 machine: read their ratios.
 """
 
+# ruff: noqa: E402
 from __future__ import annotations
 
 import sys
 import tempfile
 from pathlib import Path
+
+sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
 
 from rich.console import Console
 from rich.table import Table
