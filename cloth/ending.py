@@ -40,7 +40,7 @@ class Bounds:
 class Ending:
     """``position`` (n, 3) [m]; ``volume`` [m^3]; ``strain`` (m,), largest principal ones;
     ``contact`` of the sheet with itself, None where it is not looked for; ``converged``: all
-    bounds are kept.
+    bounds are kept, without holding nodes back from touching.
     """
 
     position: Array
@@ -86,12 +86,15 @@ def ending(x: Array, bounds: Bounds) -> Ending:
         x = model.self_contact.resolve(bounds.start, x, bounds.limit).position
         strain, volume = _strain(x, model), model.volume(x)
     drift = 0.0 if bounds.volume is None else abs(volume / bounds.volume - 1.0)
+    parted = contact is None or not (contact.held.any() or len(contact.failed))
     return Ending(
         position=x,
         volume=volume,
         strain=strain,
         contact=contact,
-        converged=_worst(strain, model) <= bounds.strain_limit and drift <= VOLUME_ALLOWED,
+        converged=_worst(strain, model) <= bounds.strain_limit
+        and drift <= VOLUME_ALLOWED
+        and parted,
     )
 
 

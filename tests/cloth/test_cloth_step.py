@@ -319,10 +319,10 @@ def test_divergence_is_raised_and_leaves_the_state(datum, push):
 def test_given_datum_drifts_but_does_not_evert():
     """Pad sway with the thesis' fixed datum: the volume follows no constraint, yet stays near.
 
-    Measured -6.1 to +6.9 % at 10, 16 and 24 rings, at 2, 5 and 10 ms and a bending damping of 0.05
-    to 1 s; -1 to +8 % in the source. Everted it would be +25 %.
+    Measured -4.3 to +6.9 % at 10, 16 and 24 rings and at 2, 5 and 10 ms; -1 to +8 % in the source.
+    Everted it would be +25 %.
     """
-    cloth = build(10)
+    cloth = build(10, dry=replace(DRY, bending_damping=0.3))
     settle(cloth, Water(0.8 * TANK, GRAVITY))
     zero, drift = np.zeros_like(cloth.reference), []
     for step in range(160):
@@ -333,7 +333,7 @@ def test_given_datum_drifts_but_does_not_evert():
         cloth.accept_step()
         drift.append(cloth.state.volume / (0.8 * TANK) - 1.0)
     assert abs(drift[0]) <= 0.01
-    assert -0.08 <= min(drift) < -0.02
+    assert -0.06 <= min(drift) < -0.02
     assert 0.02 < max(drift) <= 0.09
 
 
