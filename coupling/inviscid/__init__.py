@@ -1,0 +1,1 @@
+"""The inviscid, irrotational liquid by boundary elements: only its boundary carries unknowns."""
