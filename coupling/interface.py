@@ -20,14 +20,14 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def swept_gradient(corner: Array) -> Array:
-    """Swept volume per displacement of each corner, (F, 4, 3) [m^2], at rest in ``corner``.
+    """Swept volume per displacement of each corner, (F, k, 3) [m^2], at rest in ``corner``.
 
     The fan's apex is taken as the mean of the corners: exact for flat faces, O(warp) otherwise.
     """
     middle = corner.mean(axis=1, keepdims=True)
     following = np.roll(corner, -1, axis=1)
-    area = 0.5 * cross(corner - middle, following - middle)  # (F, 4, 3) of each triangle
-    apex = area.sum(axis=1, keepdims=True) / 4.0
+    area = 0.5 * cross(corner - middle, following - middle)  # (F, k, 3) of each triangle
+    apex = area.sum(axis=1, keepdims=True) / corner.shape[1]
     return np.asarray((area + np.roll(area, 1, axis=1) + apex) / 3.0)
 
 

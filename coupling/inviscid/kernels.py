@@ -18,7 +18,8 @@ import numpy as np
 from cloth.compiled import compiled
 from coupling.ports import AnyArray, Array, Ints
 
-_PER_SPHERE = 1.0 / (4.0 * math.pi)
+PER_SPHERE = 1.0 / (4.0 * math.pi)
+TINY = 1e-8  # side over R of what a collapsed face counts as
 
 
 @compiled
@@ -48,11 +49,12 @@ def image(
 
 @compiled
 def panel_integrals(
-    x: Array, points: Array, areas: Array, radius: float, free: bool
+    x: Array, points: Array, areas: Array, radius: float, least: float, free: bool
 ) -> tuple[float, float]:
     """Integrals of G and of dG/dn over a panel (Q, 3), seen from ``x`` (3,), times 4 pi.
 
     Without ``free`` only the wall's part; without a sphere, ``radius`` 0, only the free part.
+    ``least`` [m^4] is the square of the area added to each of ``areas`` (Q, 3), for collapsed ones.
     """
     x0, x1, x2 = x[0], x[1], x[2]
     xx = x0 * x0 + x1 * x1 + x2 * x2
@@ -60,7 +62,7 @@ def panel_integrals(
     for k in range(points.shape[0]):
         y0, y1, y2 = points[k, 0], points[k, 1], points[k, 2]
         n0, n1, n2 = areas[k, 0], areas[k, 1], areas[k, 2]
-        area = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+        area = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2 + least)
         disc = math.sqrt(area / math.pi)
         nx, ny = n0 * x0 + n1 * x1 + n2 * x2, n0 * y0 + n1 * y1 + n2 * y2
         if free:
@@ -102,6 +104,17 @@ def own_potential(corners: Array, x: Array) -> float:
 
 
 @compiled
+def least_square(points: Array, radius: float) -> float:
+    """Square [m^4] of the area of a collapsed face: ``TINY`` times the size of the liquid."""
+    size = radius
+    if radius <= 0.0:
+        for p in range(points.shape[0]):
+            for d in range(3):
+                size = max(size, abs(points[p, d]))
+    return (TINY * size) ** 4
+
+
+@compiled
 def influence(
     points: Array,
     faces: Ints,
@@ -122,23 +135,25 @@ def influence(
     faces are ``touching`` (F, F); the rows of ``double`` sum to ``row_sum``, by its diagonal.
     """
     count = faces.shape[0]
+    least = least_square(points, radius)
+    own = 2.0 * math.sqrt(math.pi * fine.shape[1]) * least**0.25
     size = np.zeros(count)
     for j in range(count):
         for k in range(fine_areas.shape[1]):
             n = fine_areas[j, k]
-            size[j] += math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+            size[j] += math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + least)
     for i in range(count):
         x = centres[i]
         total = 0.0
         for j in range(count):
             if touching[i, j]:
-                s, d = panel_integrals(x, fine[j], fine_areas[j], radius, i != j)
+                s, d = panel_integrals(x, fine[j], fine_areas[j], radius, least, i != j)
             else:
-                s, d = panel_integrals(x, coarse[j], coarse_areas[j], radius, True)
+                s, d = panel_integrals(x, coarse[j], coarse_areas[j], radius, least, True)
             if i == j:
-                s += own_potential(points[faces[i]], x)
-            single[i, j] = _PER_SPHERE * s / max(size[j], 1e-300)
-            double[i, j] = _PER_SPHERE * d
+                s += own_potential(points[faces[i]], x) + own
+            single[i, j] = PER_SPHERE * s / size[j]
+            double[i, j] = PER_SPHERE * d
             if i != j:
-                total += _PER_SPHERE * d
+                total += PER_SPHERE * d
         double[i, i] = row_sum - total

@@ -8,7 +8,16 @@ import numpy as np
 
 from coupling.inviscid.kernels import influence
 from coupling.inviscid.panels import COARSE, FINE, kept_off, rule, topology
+from coupling.inviscid.symmetric import SymmetricTrace
 from coupling.ports import Array, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundaryIntegrals:
+    """(1/2 + K) phi = S q + constant: ``single`` S [1/m] and ``double`` K (F, F)."""
+
+    single: Array
+    double: Array
 
 
 def ball_trace(
@@ -30,46 +39,42 @@ def ball_trace(
     over the whole shell, 1/2 for a sheet clamped at the equator. ``clearance``: least thickness
     of a film of liquid between sheet and shell over R; thinner ones count as ``kept_off`` says.
 
-    Symmetric; constant elements, of second order in the grid. Self-intersection is not checked.
+    Symmetric and positive definite for any sheet; constant elements, of second order in the grid
+    where it is smooth. Self-intersection is not checked.
     """
-    if not 0.0 < wall_share < 1.0:
-        raise ValueError(f"wall_share must lie in (0, 1), got {wall_share}.")
-    return boundary_integrals(
+    integrals = boundary_integrals(
         points, faces, radius=radius, wall_share=wall_share, clearance=clearance
-    ).trace()
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoundaryIntegrals:
-    """(1/2 + K) phi = S q + constant: ``single`` S [1/m] and ``double`` K (F, F)."""
-
-    single: Array
-    double: Array
-
-    @property
-    def system(self) -> Array:
-        """1/2 + K (F, F)."""
-        matrix = self.double.copy()
-        matrix.flat[:: len(matrix) + 1] += 0.5
-        return matrix
-
-    def trace(self) -> Array:
-        """Symmetric part of (1/2 + K)^-1 S (F, F) [1/m]."""
-        answer = np.linalg.solve(self.system, self.single)
-        return np.asarray(0.5 * (answer + answer.T))
+    )
+    return SymmetricTrace(integrals.single, integrals.double).matrix()
 
 
 def boundary_integrals(
     points: Array, faces: Ints, *, radius: float, wall_share: float, clearance: float
 ) -> BoundaryIntegrals:
     """The two integral operators of a sheet in a ball; arguments as in ``ball_trace``."""
-    known = topology(faces, len(points))
-    points = kept_off(points, known.edge, radius, clearance)
+    if not 0.0 < wall_share < 1.0:
+        raise ValueError(f"wall_share must lie in (0, 1), got {wall_share}.")
+    edge = topology(faces, len(points)).edge
+    kept = kept_off(points, edge, radius, clearance)
+    return _integrals(kept, faces, radius, wall_share - 0.5)
+
+
+def closed_trace(points: Array, faces: Ints) -> Array:
+    """G (F, F) [1/m] as in ``ball_trace``, of the liquid inside any closed surface of panels.
+
+    ``points`` (p, 3) [m], ``faces`` (F, 4) or (F, 3), counter-clockwise seen from outside. Walls
+    are faces without flux. That the surface is closed is not checked.
+    """
+    integrals = _integrals(points, faces, 0.0, -0.5)
+    return SymmetricTrace(integrals.single, integrals.double, closed=True).matrix()
+
+
+def _integrals(points: Array, faces: Ints, radius: float, row_sum: float) -> BoundaryIntegrals:
     corner = points[faces]
     single, double = np.empty((2, len(faces), len(faces)))
     influence(
         points, faces, corner.mean(axis=1),
         *rule(faces.shape[1], COARSE).sample(corner), *rule(faces.shape[1], FINE).sample(corner),
-        known.touching, radius, wall_share - 0.5, single, double,
+        topology(faces, len(points)).touching, radius, row_sum, single, double,
     )  # fmt: skip
     return BoundaryIntegrals(single=single, double=double)

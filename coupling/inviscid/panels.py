@@ -112,7 +112,7 @@ def film_scale(
     points: Array, edge: NDArray[np.bool_], radius: float, clearance: float
 ) -> tuple[Array, Array]:
     """Factor (p,) of ``kept_off`` on each point, and its derivative by the distance |x| (p,)."""
-    distance = np.maximum(np.linalg.norm(points, axis=1), 1e-300)
+    distance = np.maximum(np.linalg.norm(points, axis=1), 1e-30)
     film = clearance * radius
     over = np.clip(distance - (radius - 2 * film), 0.0, 2 * film)
     beyond = np.maximum(distance - radius, 0.0)

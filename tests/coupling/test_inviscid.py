@@ -6,7 +6,7 @@ import pytest
 from coupling.foam.added_mass import neumann_trace
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
-from coupling.inviscid.kernels import image, rounded
+from coupling.inviscid.kernels import TINY, image, rounded
 from coupling.inviscid.operator import ball_trace, boundary_integrals
 from coupling.inviscid.panels import COARSE, FINE, kept_off, rule, topology
 
@@ -39,7 +39,7 @@ def reference(points, faces, radius, row_sum):
     single, double = np.zeros((2, count, count))
     for chosen, number in ((~touching, COARSE), (touching, FINE)):
         y, n = rule(faces.shape[1], number).sample(corner)
-        area = np.linalg.norm(n, axis=2)
+        area = np.sqrt(np.sum(n**2, axis=2) + (TINY * radius) ** 4)
         disc = np.sqrt(area / np.pi)
         x = centre[:, None, None, :]
         away = x - y
@@ -56,7 +56,8 @@ def reference(points, faces, radius, row_sum):
         slope = (xx[..., None] / radius**2 * y - x) / s[..., None]
         slope = -slope / s[..., None] ** 2 - (slope - x / radius) / reach[..., None]
         d_part = d_part + np.sum(n * slope, axis=-1)
-        size = np.linalg.norm(rule(faces.shape[1], FINE).sample(corner)[1], axis=2).sum(axis=1)
+        fine = rule(faces.shape[1], FINE).sample(corner)[1]
+        size = np.sqrt(np.sum(fine**2, axis=2) + (TINY * radius) ** 4).sum(axis=1)
         single += chosen * s_part.sum(axis=2) / size
         double += chosen * d_part.sum(axis=2)
     a, b = corner - centre[:, None], np.roll(corner, -1, axis=1) - centre[:, None]
@@ -64,6 +65,7 @@ def reference(points, faces, radius, row_sum):
     sides = np.linalg.norm(a, axis=2) + np.linalg.norm(b, axis=2)
     own = np.linalg.norm(np.cross(a, b), axis=2) / edge
     own = (own * np.log((sides + edge) / (sides - edge))).sum(axis=1)
+    own += 2 * np.sqrt(np.pi * fine.shape[1]) * TINY * radius
     single[np.diag_indices(count)] += own / size
     single, double = single / (4 * np.pi), double / (4 * np.pi)
     np.fill_diagonal(double, 0.0)
@@ -149,13 +151,22 @@ def test_film_keeps_off_the_shell_once_differentiably():
     assert kept_off(radial, edge, 1.0, 0.02) == pytest.approx(radial)
 
 
-def test_a_sheet_pressed_on_the_wet_shell_stays_finite_and_positive():
+def test_trace_is_finite_and_positive_for_any_sheet():
     mesh = half_ball(550)
+    faces, random = mesh.patch_faces, np.random.default_rng(1)
     down = mesh.moulded * (1.0, 1.0, -1.0)
-    faces = mesh.patch_faces
-    up = np.maximum(down[:, 2], -0.6) - down[:, 2]  # a level surface, and the rest on the shell
-    points = down + up[:, None] * np.array([0.0, 0.0, 1.0])
-    trace = ball_trace(points, faces, radius=1.0, clearance=0.01)
-    assert np.isfinite(trace).all()
-    closed = np.eye(len(faces))[:, 1:] - np.eye(len(faces))[:, :1]
-    assert np.linalg.eigvalsh(closed.T @ trace @ closed).min() > 0
+    inner = ~mesh.rim
+    shapes = {"on the shell": down, "level above the rest on the shell": down.copy()}
+    shapes["level above the rest on the shell"][:, 2] = np.maximum(down[:, 2], -0.6)
+    shapes["folded flat"] = down * np.where(np.abs(down[:, 1:2]) < 0.3, (0.05, 1.0, 1.0), 1.0)
+    shapes["collapsed to a point"] = np.where(inner[:, None], 0.0, down)
+    noise = random.normal(size=down.shape) * inner[:, None]
+    shapes["through itself"] = down * (1.0, 1.0, 0.2) + 0.1 * noise
+    shapes["through itself within a face"] = 0.7 * down + 0.3 * noise
+    closed = np.linalg.qr(np.eye(len(faces))[:, 1:] - np.eye(len(faces))[:, :1])[0]
+    for name, points in shapes.items():
+        for clearance in (0.0, 0.01):
+            trace = ball_trace(points, faces, radius=1.0, clearance=clearance)
+            assert np.isfinite(trace).all(), name
+            assert (trace == trace.T).all(), name
+            assert np.linalg.eigvalsh(closed.T @ trace @ closed).min() > 0, name
