@@ -123,6 +123,8 @@ class _Run:
         if scene.model.fluid != "openfoam":
             return
         self.flow, self.mapping = flow_of(scene, self.folder / "foam", self.cloth)
+        self.tally.statistics.flow_solver = self.flow.case.solver
+        _log.info("flow solver: %s", self.flow.case.solver)
         centres = self.flow.moulded_face_centres
         none = np.zeros(len(self.cloth.reference), dtype=bool)
         self.to_nodes = MovingLeastSquares(
@@ -240,6 +242,8 @@ class _Run:
         except RunFailed as failure:  # a full disk: what was flushed before stays readable
             status, error = "failed", error or str(failure)
         self.iterations.close()
+        if self.coupled is not None:
+            self.flow.close()
         self.tally.statistics.wall_s = perf_counter() - self.clock
         results = read_results(self.folder)
         summary = summarise(results, self.tally.statistics, self.scene, status, error)

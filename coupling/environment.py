@@ -19,8 +19,11 @@ def found() -> dict[str, str]:
         "no: numba is not installed" if compiler == "not installed" else f"numba {compiler}"
     )
     try:
-        solver = find_openfoam("pimpleFoam")
+        solver = find_openfoam(keep_alive=True)
         values["openfoam"] = f"{solver.version}, {solver.solver}"
+        values["solver that stays alive"] = str(
+            solver.keep_alive or "not built: 'edt build-solver' makes runs with a flow faster"
+        )
     except OpenFoamMissing as missing:
         values["openfoam"] = f"not found: {missing}"
     return values

@@ -60,7 +60,11 @@ def flow_of(
     flow = OpenFoamFlow(
         folder,
         mesh,
-        openfoam=find_openfoam(scene.openfoam.command),
+        openfoam=find_openfoam(
+            scene.openfoam.command,
+            keep_alive=scene.openfoam.keep_alive,
+            processors=scene.openfoam.processors,
+        ),
         radius=radius,
         density=scene.liquid.density,
         viscosity=scene.liquid.viscosity,

@@ -229,7 +229,8 @@ class Sample:
 class RunStatistics:
     """What a run counts as it goes; becomes part of ``summary.json``.
 
-    Every step counts here, not only those written out. ``wall_by_part`` [s].
+    Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
+    whether the flow's solver stayed alive or was restarted.
     """
 
     steps: int = 0
@@ -245,6 +246,7 @@ class RunStatistics:
     iterations_total: int = 0
     iterations_max: int = 0
     unconverged_steps: int = 0
+    flow_solver: str | None = None
     halved_steps: int = 0
     speed_max: float | None = None
     dphi_dt_max: float | None = None

@@ -13,6 +13,7 @@ from cloth.thesis.grid import SIZE
 from coupling.scene_sections import Section
 
 MOST_RINGS = 200
+MOST_PROCESSORS = 256
 
 
 class Cloth(Section):
@@ -75,7 +76,14 @@ class OpenFoam(Section):
         default="pimpleFoam", min_length=1, description="solver: a name on PATH or a path"
     )
     cells: int = Field(default=1300, ge=64, description="approximate number of cells, 64 or more")
-    processors: Literal[1] = Field(default=1, description="value 1")
+    keep_alive: bool = Field(
+        default=True,
+        description="value false to restart the stock solver every iteration, also where the one "
+        "that stays alive has been built",
+    )
+    processors: int = Field(
+        default=1, ge=1, le=MOST_PROCESSORS, description="number of processes of the flow solver"
+    )
     timeout: float = Field(default=120.0, gt=0, description="longest wait for one solver call [s]")
     clearance: float = Field(
         default=0.02, gt=0, le=0.2, description="film kept at the wet shell for the mesh, over R"

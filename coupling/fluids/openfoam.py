@@ -1,19 +1,19 @@
 """Incompressible Navier-Stokes in the moving tank, by OpenFOAM's pimpleFoam.
 
 The flow is solved in the tank's frame without body force: the body force is a gradient, so that
-the pressure found is p*, what hydrostatics leaves out. Every coupling iteration restarts the
-stock solver from the committed fields; its points are all imposed.
+the pressure found is p*, what hydrostatics leaves out. Every coupling iteration solves the step
+anew from the committed fields; its points are all imposed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from coupling.foam.added_mass import added_mass_rows, wall_distance
-from coupling.foam.case import Case
 from coupling.foam.geometry import (
     CellGeometry,
     cell_geometry,
@@ -21,7 +21,7 @@ from coupling.foam.geometry import (
     non_orthogonality,
     swept_volumes,
 )
-from coupling.foam.logs import read_log
+from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
@@ -51,11 +51,12 @@ class OpenFoamFlow:
         timeout: float,
     ) -> None:
         self.mesh = mesh
-        self.case = Case(folder, mesh, openfoam=openfoam, timeout=timeout)
+        self.case = case_of(folder, mesh, openfoam=openfoam, timeout=timeout)
         self.radius, self.density, self.viscosity = radius, density, viscosity
         self.faces: Ints = mesh.patch_faces
         self._boundary: Ints = mesh.faces[mesh.inner_faces :]
         self._elastic = ElasticMesh(mesh, radius)
+        self.time = 0.0
         self._kept: set[float] = {0.0}
         self._rows: tuple[Array, Array] | None = None  # of the added mass, and where it was made
 
@@ -231,14 +232,9 @@ class OpenFoamFlow:
             volume=volume,
             volume_error=abs(self._excess(self.points)) / self.volume,
             liquid_cg=geometry.volume @ geometry.centre / volume,
-            continuity_error=self._continuity(),
+            continuity_error=self.case.continuity,
             non_orthogonality_max=self.non_orthogonality_max,
         )
-
-    def _continuity(self) -> float:
-        """What the solver's log says that its last fluxes miss; NaN where it says nothing."""
-        said = read_log(self.case.log)
-        return float("nan") if said is None else said.continuity
 
     def _checked_geometry(self, points: Array, moment: str) -> CellGeometry:
         geometry = cell_geometry(self.mesh, points)
@@ -266,6 +262,12 @@ class OpenFoamFlow:
             "flux": self._flux,
         }
         return saved | self.case.pack(self.time)
+
+    def close(self) -> None:
+        """Leave the committed fields in files, and end the solver; a step may still follow."""
+        with suppress(RunFailed):  # then the solver has failed, and the run ended by that
+            self.case.flush(self.time)
+        self.case.close()
 
     def restore(self, saved: Mapping[str, AnyArray]) -> None:
         """The reverse of ``save``; fields of later times are gone, a lost case is written anew."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Mapping
+from functools import cached_property
 from importlib.resources import as_file, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,9 @@ from numpy.typing import NDArray
 from PyFoam.RunDictionary.ParsedParameterFile import ParsedParameterFile
 
 from coupling.foam import fields
+from coupling.foam.logs import read_log
 from coupling.foam.mesh import LiquidMesh
+from coupling.foam.parts import Part, decompose, decomposed, gathered, whole
 from coupling.foam.process import OpenFoam, run_program
 
 if TYPE_CHECKING:
@@ -28,10 +31,12 @@ _TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
 
 
 class Case:
-    """A case of ``mesh`` in ``folder``, solved by ``openfoam``.
+    """A case of ``mesh`` in ``folder``, solved by ``openfoam``, restarted for every call.
 
     ``timeout`` [s] is the wall time one call of the solver may take.
     """
+
+    solver = "restart"
 
     def __init__(
         self, folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: float
@@ -46,8 +51,16 @@ class Case:
         """The last solver call's output."""
         return self.folder / f"log.{self.openfoam.solver.name}"
 
+    @cached_property
+    def parts(self) -> list[Part]:
+        """The folders that hold the fields, one a processor."""
+        if self.openfoam.processors == 1:
+            return whole(self.folder)
+        return decomposed(self.folder, self.openfoam.processors)
+
     def create(self, points: Array, *, viscosity: float) -> None:
         """Write the whole case anew: mesh at ``points`` (P, 3) [m], liquid at rest."""
+        self.close()
         if self.folder.exists():
             shutil.rmtree(self.folder)
         with as_file(files("foam_cases") / "template") as template:
@@ -58,6 +71,9 @@ class Case:
         transport["nu"] = viscosity
         transport.writeFile()
         self._write_mesh(points)
+        self.__dict__.pop("parts", None)
+        if self.openfoam.processors > 1:
+            decompose(self.folder, openfoam=self.openfoam, timeout=self.timeout)
 
     def _write_mesh(self, points: Array) -> None:
         mesh, folder = self.mesh, self.folder / "constant" / "polyMesh"
@@ -84,28 +100,54 @@ class Case:
         Returns p*/rho (c,) [m^2/s^2] and U (c, 3) [m/s] of the cells at ``end``. The fields at
         ``start`` stay: the call can be repeated. Raises ``OpenFoamFailed``.
         """
-        origin = self.time_folder(start) / "polyMesh"
-        origin.mkdir(exist_ok=True)
-        fields.write_points(origin / "points0", points)
-        (self.folder / "system" / "step").write_text(
-            "// Written by the coupler before every call of the solver.\n"
-            f"startTime           {start:.12g};\n"
-            f"endTime             {end:.12g};\n"
-            f"deltaT              {end - start:.12g};\n"
-        )
-        result = self.time_folder(end)
-        if result.exists():
-            shutil.rmtree(result)
+        for part in self.parts:
+            origin = part.folder / self.time_name(start) / "polyMesh"
+            origin.mkdir(exist_ok=True)
+            fields.write_points(origin / "points0", points[part.points])
+        self._write_step(start, end)
+        self.remove(end)
         run_program(
             self.openfoam.solver, self.folder, openfoam=self.openfoam, log=self.log,
             timeout=self.timeout, moment=f"t = {end:.6g} s",
         )  # fmt: skip
-        cells = self.mesh.cells
-        return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
+        return self._read(end, "p"), self._read(end, "U")
+
+    def _write_step(self, start: float, end: float) -> None:
+        (self.folder / "system" / "step").write_text(
+            "// Written by the coupler before every start of the solver.\n"
+            f"startTime           {start:.12g};\n"
+            f"endTime             {end:.12g};\n"
+            f"deltaT              {end - start:.12g};\n"
+        )
+
+    def _read(self, time: float, name: str) -> Array:
+        """A field's values in all cells."""
+        own = []
+        for part in self.parts:
+            cells = self.mesh.cells if isinstance(part.cells, slice) else len(part.cells)
+            own.append(fields.read_cells(part.folder / self.time_name(time) / name, cells))
+        return gathered(self.parts, own)
+
+    @property
+    def continuity(self) -> float:
+        """What the last fluxes miss of the cells' volumes; NaN where the log does not say."""
+        said = read_log(self.log)
+        return float("nan") if said is None else said.continuity
+
+    def flush(self, time: float) -> None:
+        """See to it that the fields at ``time`` [s] stand in files; here they always do."""
+
+    def close(self) -> None:
+        """End what runs of the solver; the next step starts from the files. Here nothing does."""
+
+    @staticmethod
+    def time_name(time: float) -> str:
+        """Name of the folder of the fields at ``time`` [s], as OpenFOAM has it."""
+        return f"{round(time, 11):.12g}"
 
     def time_folder(self, time: float) -> Path:
-        """Folder of the fields at ``time`` [s], named as OpenFOAM names it."""
-        return self.folder / f"{round(time, 11):.12g}"
+        """Folder of the fields at ``time`` [s] of a case that is not decomposed."""
+        return self.folder / self.time_name(time)
 
     @property
     def exists(self) -> bool:
@@ -115,11 +157,12 @@ class Case:
     @property
     def times(self) -> list[float]:
         """Times [s] that have a folder of fields, in order."""
-        names = (path.name for path in self.folder.iterdir() if path.is_dir())
+        names = (path.name for path in self.parts[0].folder.iterdir() if path.is_dir())
         return sorted(float(name) for name in names if _TIME.fullmatch(name))
 
     def rewind(self, time: float) -> None:
         """Forget the fields from ``time`` [s] on; those at 0 stay."""
+        self.close()
         for later in self.times:
             if later > time - 1e-11:
                 self.remove(later)
@@ -127,24 +170,27 @@ class Case:
     def remove(self, time: float) -> None:
         """Forget the fields at ``time`` [s]; those at 0 stay, the liquid at rest."""
         if time > 0:
-            shutil.rmtree(self.time_folder(time), ignore_errors=True)
+            for part in self.parts:
+                shutil.rmtree(part.folder / self.time_name(time), ignore_errors=True)
 
     def pack(self, time: float) -> dict[str, NDArray[np.uint8]]:
         """The files of the fields at ``time`` [s] as bytes, by ``file:`` and their names."""
-        folder = self.time_folder(time)
-        return {
-            f"file:{path.relative_to(folder).as_posix()}": np.frombuffer(
-                path.read_bytes(), np.uint8
-            )
-            for path in sorted(folder.rglob("*"))
-            if path.is_file()
-        }
+        self.flush(time)
+        packed = {}
+        for part in self.parts:
+            folder = part.folder / self.time_name(time)
+            for path in sorted(folder.rglob("*")):
+                if path.is_file():
+                    name = (Path(part.name) / path.relative_to(folder)).as_posix()
+                    packed[f"file:{name}"] = np.frombuffer(path.read_bytes(), np.uint8)
+        return packed
 
     def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
         """The reverse of ``pack``; other entries of ``saved`` are let be."""
-        folder = self.time_folder(time)
-        for name, data in saved.items():
-            if name.startswith("file:"):
-                path = folder / name.removeprefix("file:")
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(data.astype(np.uint8).tobytes())
+        for part in self.parts:
+            head = f"file:{part.name}/" if part.name else "file:"
+            for name, data in saved.items():
+                if name.startswith(head):
+                    path = part.folder / self.time_name(time) / name.removeprefix(head)
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                    path.write_bytes(data.astype(np.uint8).tobytes())

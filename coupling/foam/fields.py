@@ -17,7 +17,7 @@ from coupling.ports import Array, Ints
 _INTERNAL = re.compile(rb"internalField\s+(uniform|nonuniform)\s*")
 _COUNT = re.compile(rb"List<(scalar|vector)>\s*\n?(\d+)\s*\n?\(")
 
-_POINTS = re.compile(rb"\n(\d+)\s*\n?\(")
+_LIST = re.compile(rb"\n(\d+)\s*\n?\(")
 
 
 def header(kind: str, name: str, location: str, *, binary: bool) -> str:
@@ -46,7 +46,7 @@ def read_points(path: Path) -> Array:
         data = path.read_bytes()
     except OSError as error:
         raise OpenFoamFailed(f"{path}: no points here ({error.strerror}).") from error
-    start = _POINTS.search(data)
+    start = _LIST.search(data)
     if start is None or len(data) < start.end() + 24 * int(start[1]):
         raise OpenFoamFailed(f"{path}: expected points, complete and binary.")
     values = np.frombuffer(data, "<f8", 3 * int(start[1]), start.end())
@@ -94,6 +94,26 @@ def _list(data: bytes, found: re.Match[bytes], cells: int) -> Array | None:
         return None
     values = np.frombuffer(data, "<f8", cells * width, start.end()).astype(float)
     return values.reshape(cells, 3) if width == 3 else values
+
+
+def read_labels(path: Path) -> Ints:
+    """Labels (k,) of a ``labelList``, ASCII or binary with 32 bits each.
+
+    Raises ``OpenFoamFailed`` where the file is missing or broken.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise OpenFoamFailed(f"{path}: no labels here ({error.strerror}).") from error
+    start = _LIST.search(data)
+    if start is not None and b"binary" in data[: start.start()]:
+        if len(data) >= start.end() + 4 * int(start[1]):
+            return np.frombuffer(data, "<i4", int(start[1]), start.end()).astype(np.int64)
+    elif start is not None:
+        words = data[start.end() :].split(b")", 1)[0].split()
+        if len(words) == int(start[1]):
+            return np.array(words, dtype=np.int64)
+    raise OpenFoamFailed(f"{path}: expected a complete list of labels.")
 
 
 def write_faces(path: Path, faces: Ints) -> None:

@@ -1,4 +1,4 @@
-"""Starting OpenFOAM's programs, watching them, and saying why one failed.
+"""Finding OpenFOAM's programs, starting them, watching them, and saying why one failed.
 
 Processes are started directly: PyFoam's runners have no time limit, split paths at blanks and keep
 five status files a call. PyFoam reads the logs and edits the dictionaries.
@@ -15,9 +15,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import IO
 
+from coupling.foam.solver_cache import built_solver
 from coupling.ports import RunFailed
 
+STOCK = "pimpleFoam"  # the solver that the one that stays alive stands in for
 LOG_TAIL = 15  # lines of a failed program's log that its error quotes
 _DEBIAN_PROJECT = Path("/usr/share/openfoam")
 
@@ -32,22 +35,53 @@ class OpenFoamFailed(RunFailed):
 
 @dataclass(frozen=True, kw_only=True)
 class OpenFoam:
-    """What was found: ``solver`` is the program's path, ``project_dir`` holds ``etc``."""
+    """What was found: ``solver`` is the program's path, ``project_dir`` holds ``etc``.
+
+    ``keep_alive`` is the solver that stays alive, if it shall be used; with ``processors`` > 1 the
+    solvers run under ``mpirun``.
+    """
 
     solver: Path
     project_dir: Path
     version: str
+    keep_alive: Path | None = None
+    processors: int = 1
+    mpirun: Path | None = None
 
     @property
     def environment(self) -> dict[str, str]:
         """Environment of a solver call: one thread, and the folder with ``etc/controlDict``."""
-        return os.environ | {"WM_PROJECT_DIR": str(self.project_dir), "OMP_NUM_THREADS": "1"}
+        found = os.environ | {"WM_PROJECT_DIR": str(self.project_dir), "OMP_NUM_THREADS": "1"}
+        return found if self.mpirun is None else found | _open_mpi()
+
+    def command(self, program: Path, case: Path, *arguments: str) -> list[str]:
+        """The words that start a solver on ``case``, on all processors."""
+        words = [str(program), "-case", str(case), *arguments]
+        if self.mpirun is None:
+            return words
+        return [str(self.mpirun), "-np", str(self.processors), *words, "-parallel"]
 
 
-def find_openfoam(command: str = "pimpleFoam") -> OpenFoam:
+def _open_mpi() -> dict[str, str]:
+    """What Open MPI needs told; other kinds of MPI do not read it."""
+    told = {
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",  # more processors than it counts
+        "OMPI_MCA_hwloc_base_binding_policy": "none",  # two runs would share a core
+        "OMPI_MCA_mpi_yield_when_idle": "1",  # the diaphragm's solver wants one too
+    }
+    if os.geteuid() == 0:  # in a container
+        told |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    return told
+
+
+def find_openfoam(
+    command: str = STOCK, *, keep_alive: bool = False, processors: int = 1
+) -> OpenFoam:
     """The OpenFOAM whose ``command`` stands on the PATH, or the path of a solver.
 
-    Raises ``OpenFoamMissing`` with the mend. That the solver runs is not checked.
+    With ``keep_alive`` the solver that stays alive is taken where it has been built and the
+    command is the stock solver, whose equations it has. Raises ``OpenFoamMissing`` with the mend.
+    That the solver runs is not checked.
     """
     found = shutil.which(command)
     if found is None:
@@ -61,7 +95,34 @@ def find_openfoam(command: str = "pimpleFoam") -> OpenFoam:
             f"{found}: no etc/controlDict below {project}. "
             "Set WM_PROJECT_DIR to OpenFOAM's folder, or source its etc/bashrc."
         )
-    return OpenFoam(solver=Path(found), project_dir=project, version=_version(found, str(project)))
+    version = _version(found, str(project))
+    alive = built_solver(version) if keep_alive and Path(found).name == STOCK else None
+    return OpenFoam(
+        solver=Path(found),
+        project_dir=project,
+        version=version,
+        keep_alive=alive,
+        processors=processors,
+        mpirun=_mpirun(alive) if processors > 1 else None,
+    )
+
+
+def _mpirun(alive: Path | None) -> Path:
+    if alive is None:
+        # CorrectPhi of v1912 holds pcorr in a cell of every processor, and U errs by some 1e-3.
+        raise OpenFoamMissing(
+            "openfoam.processors: more than 1 takes the solver that stays alive; the stock one is "
+            "wrong in a closed domain then. Build it with 'edt build-solver' and keep "
+            f"openfoam.keep_alive = true and openfoam.command = '{STOCK}', or set "
+            "openfoam.processors = 1."
+        )
+    for program, package in (("mpirun", "openmpi-bin"), ("decomposePar", "openfoam")):
+        if shutil.which(program) is None:
+            raise OpenFoamMissing(
+                f"openfoam.processors: more than 1 takes '{program}', which is not on the PATH. "
+                f"Install it (Debian: apt-get install {package}) or set openfoam.processors = 1."
+            )
+    return Path(str(shutil.which("mpirun")))
 
 
 @lru_cache(maxsize=4)
@@ -82,47 +143,69 @@ def _version(solver: str, project: str) -> str:
     return "unknown"
 
 
-# Debian's util-linux: the solver dies with us, also when we are killed, and leaves no late files.
+# util-linux: the solver dies with us, also when we are killed, and leaves no late files.
 _LEASH = ("setpriv", "--pdeathsig", "KILL", "--") if shutil.which("setpriv") else ()
 
 
 def run_program(
     program: Path, case: Path, *, openfoam: OpenFoam, log: Path, timeout: float, moment: str
 ) -> None:
-    """Run ``program -case case`` to its end; its output goes to ``log``.
+    """Run ``program`` on ``case`` to its end, on all processors; its output goes to ``log``.
 
     ``timeout`` [s] of wall time; ``moment`` says in errors when it was called. Raises
     ``OpenFoamFailed`` with the last lines of the log. Only the process started here is ended,
     with those that it started itself: it leads a group of its own.
     """
+    with log.open("w") as output:
+        process = start_program(program, case, openfoam=openfoam, log=output, moment=moment)
+    with process:
+        try:
+            _await(process, timeout)
+            status = process.wait(0)
+        except subprocess.TimeoutExpired:
+            end_program(process)
+            raise no_answer(program, log, timeout, moment) from None
+        except BaseException:
+            end_program(process)
+            raise
+    if status != 0:
+        raise ended(program, status, log, moment)
+
+
+def start_program(
+    program: Path, case: Path, *arguments: str, openfoam: OpenFoam, log: IO[str], moment: str
+) -> subprocess.Popen[bytes]:
+    """Start ``program`` on ``case``, on all processors, as the leader of a group of its own.
+
+    It dies with us. Raises ``OpenFoamFailed`` where it cannot be started.
+    """
     if not os.access(program, os.X_OK):
         raise OpenFoamFailed(f"{moment}: {program} cannot be started: not a program.")
     try:
-        with log.open("w") as output, subprocess.Popen(
-            [*_LEASH, str(program), "-case", str(case)],
-            cwd=case, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+        return subprocess.Popen(
+            [*_LEASH, *openfoam.command(program, case, *arguments)],
+            cwd=case, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
             env=openfoam.environment | {"PWD": str(case)}, process_group=0,
-        ) as process:  # fmt: skip
-            try:
-                _await(process, timeout)
-                status = process.wait(0)
-            except subprocess.TimeoutExpired:
-                _end(process)
-                raise OpenFoamFailed(
-                    f"{moment}: {program.name} gave no answer within {timeout:g} s and was ended. "
-                    f"Raise openfoam.timeout, or read {log}.\n{log_tail(log)}"
-                ) from None
-            except BaseException:
-                _end(process)
-                raise
+        )  # fmt: skip
     except OSError as error:
         raise OpenFoamFailed(f"{moment}: {program} cannot be started: {error}.") from error
-    if status != 0:
-        cause = f"exit status {status}" if status > 0 else f"signal {-status}"
-        raise OpenFoamFailed(
-            f"{moment}: {program.name} ended with {cause}. "
-            f"Halve time.step, or read {log}.\n{log_tail(log)}"
-        )
+
+
+def no_answer(program: Path, log: Path, timeout: float, moment: str) -> OpenFoamFailed:
+    """The error of a program that hung and was ended."""
+    return OpenFoamFailed(
+        f"{moment}: {program.name} gave no answer within {timeout:g} s and was ended. "
+        f"Raise openfoam.timeout, or read {log}.\n{log_tail(log)}"
+    )
+
+
+def ended(program: Path, status: int, log: Path, moment: str) -> OpenFoamFailed:
+    """The error of a program that ended with ``status`` where it should not have."""
+    cause = f"exit status {status}" if status >= 0 else f"signal {-status}"
+    return OpenFoamFailed(
+        f"{moment}: {program.name} ended with {cause}. "
+        f"Halve time.step, or read {log}.\n{log_tail(log)}"
+    )
 
 
 def _await(process: subprocess.Popen[bytes], timeout: float) -> None:
@@ -137,7 +220,7 @@ def _await(process: subprocess.Popen[bytes], timeout: float) -> None:
         os.close(descriptor)
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def end_program(process: subprocess.Popen[bytes]) -> None:
     """Kill ``process``, not yet waited for, and its group."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
@@ -146,7 +229,9 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 def log_tail(log: Path) -> str:
     """The last lines of a log, indented; 'no output' where there is none."""
     try:
-        lines = log.read_text(errors="replace").rstrip().splitlines()
+        with log.open("rb") as stream:
+            stream.seek(max(0, log.stat().st_size - (1 << 16)))
+            lines = stream.read().decode(errors="replace").rstrip().splitlines()
     except OSError:
         lines = []
     return "\n".join(f"    {line}" for line in lines[-LOG_TAIL:]) or "    (no output)"

@@ -39,6 +39,7 @@ def summarise(
     content: dict[str, Any] = {
         "status": status,
         "model": scene.model.fluid,
+        "solver": statistics.flow_solver,
         "steps": statistics.steps,
         "simulated_s": statistics.simulated_s,
         "wall_s": statistics.wall_s,

@@ -1,0 +1,110 @@
+"""A case solved by one process that lives as long as the run.
+
+The process holds the fields of the committed time and those of the step that is being solved, so
+that nothing is read or written between two calls. Frames and pipes: ``solver/coupler.H``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from coupling.foam.case import Case
+from coupling.foam.mesh import LiquidMesh
+from coupling.foam.parts import gathered
+from coupling.foam.pipes import ADVANCE, REPEAT, WRITE, Frame, Pipes
+from coupling.foam.process import OpenFoam, OpenFoamFailed
+from coupling.ports import Array
+
+
+def case_of(folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: float) -> Case:
+    """A case solved as ``openfoam`` says: by a process that stays alive, or by restarts."""
+    kind = Case if openfoam.keep_alive is None else AliveCase
+    return kind(folder, mesh, openfoam=openfoam, timeout=timeout)
+
+
+class AliveCase(Case):
+    """As ``Case``. The process is started when first needed, from the files at the step's start.
+
+    A step that starts where the last one ended commits that one; one that starts where it started
+    takes it again. Any other start ends the process and reads the files there anew. A time is
+    written to files only by ``flush``.
+    """
+
+    solver = "keep-alive"
+
+    def __init__(
+        self, folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: float
+    ) -> None:
+        super().__init__(folder, mesh, openfoam=openfoam, timeout=timeout)
+        self._pipes: Pipes | None = None
+        self._began: str | None = None  # names of the times the last step leads from and to
+        self._reached: str | None = None
+        self._missed = float("nan")
+
+    @property
+    def log(self) -> Path:
+        """The process' output; that of a later one follows."""
+        return self.folder / f"log.{self._program.name}"
+
+    @property
+    def _program(self) -> Path:
+        assert self.openfoam.keep_alive is not None
+        return self.openfoam.keep_alive
+
+    def advance(self, start: float, end: float, points: Array) -> tuple[Array, Array]:
+        """As ``Case.advance``; the fields at ``start`` stay with the process."""
+        moment, name = f"t = {end:.6g} s", self.time_name(start)
+        if self._pipes is None or name not in (self._began, self._reached):
+            self._pipes = self._started(start, end, moment)
+        command = REPEAT if name == self._began else ADVANCE
+        # To the digits of system/step, so that both solvers reckon with the same numbers.
+        times = float(f"{start:.12g}"), float(f"{end - start:.12g}")
+        own = [np.ascontiguousarray(points[part.points]) for part in self.parts]
+        requests = [(Frame(command, len(part), *times), part.tobytes()) for part in own]
+        self._began, self._reached = None, None  # until there is an answer
+        answers = self._pipes.exchange(requests, moment)
+        self._began, self._reached = name, self.time_name(end)
+        self._missed = answers[0][0].second
+        fields = [np.frombuffer(body).reshape(4, -1) for _, body in answers]
+        pressure = gathered(self.parts, [own[0] for own in fields])
+        velocity = gathered(self.parts, [own[1:].reshape(-1, 3) for own in fields])
+        if not (np.isfinite(pressure).all() and np.isfinite(velocity).all()):
+            raise OpenFoamFailed(f"{moment}: the flow diverged, it is not finite. Halve time.step.")
+        return pressure, velocity
+
+    def _started(self, start: float, end: float, moment: str) -> Pipes:
+        """A process that stands at ``start``."""
+        self.close()
+        if not all((part.folder / self.time_name(start)).is_dir() for part in self.parts):
+            raise OpenFoamFailed(
+                f"{moment}: the fields at t = {start:.6g} s ended with the process that held them. "
+                "Go on from the last checkpoint: edt resume."
+            )
+        self._write_step(start, end)
+        pipes = Pipes(
+            self._program, self.folder, len(self.parts), openfoam=self.openfoam, log=self.log,
+            timeout=self.timeout, moment=moment,
+        )  # fmt: skip
+        self._reached = self.time_name(start)
+        return pipes
+
+    @property
+    def continuity(self) -> float:
+        """What the last fluxes miss of the cells' volumes; NaN before the first."""
+        return self._missed
+
+    def flush(self, time: float) -> None:
+        """Write the fields at ``time`` [s], the last step's end, which commits it."""
+        name = self.time_name(time)
+        if self._pipes is not None and name == self._reached:
+            self._began = None
+            request = (Frame(WRITE, 0, time, 0.0), b"")
+            self._pipes.exchange([request] * len(self.parts), f"t = {name} s")
+
+    def close(self) -> None:
+        """End the process; the next step starts from the files."""
+        if self._pipes is not None:
+            self._pipes.close()
+        self._pipes = self._began = self._reached = None

@@ -1,0 +1,46 @@
+"""Where the solver that stays alive is kept: in the user's cache, by OpenFOAM and source."""
+
+from __future__ import annotations
+
+import os
+from hashlib import sha256
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+NAME = "edtPimpleFoam"
+
+
+def cache_folder() -> Path:
+    """The user's cache of this program; not made here."""
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    # The specification asks for an absolute path and to ignore any other.
+    return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "diaphragm-tank"
+
+
+def sources() -> dict[str, str]:
+    """Texts of the solver's source by their paths, as they come with this package."""
+
+    def below(folder: Traversable, prefix: str) -> dict[str, str]:
+        found: dict[str, str] = {}
+        for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+            if entry.is_dir():
+                found |= below(entry, f"{prefix}{entry.name}/")
+            else:
+                found[f"{prefix}{entry.name}"] = entry.read_text(encoding="utf-8")
+        return found
+
+    return below(files("coupling.foam") / "solver", "")
+
+
+def solver_path(version: str) -> Path:
+    """Where the solver built from these sources against OpenFOAM ``version`` belongs."""
+    text = "\0".join(f"{name}\0{content}" for name, content in sources().items())
+    key = sha256(text.encode()).hexdigest()[:12]
+    return cache_folder() / f"{version}-{key}" / NAME
+
+
+def built_solver(version: str) -> Path | None:
+    """The solver for OpenFOAM ``version`` where it has been built."""
+    path = solver_path(version)
+    return path if os.access(path, os.X_OK) else None
