@@ -72,6 +72,13 @@ class FreeSurface:
         """Integral of the heights times ``shape`` (p,) [m^3]."""
         return float((self._area * shape) @ self.height)
 
+    def energy(self, added_mass: Array) -> float:
+        """Kinetic and potential energy [J] with the liquid's ``added_mass`` (r, p, 3)."""
+        speed = self.speed[0]
+        liquid = np.einsum("rpx,px,p->r", added_mass, self.path, speed)
+        kinetic = float(liquid @ liquid + speed @ (self._mass * speed))
+        return 0.5 * (kinetic + float(self.height @ self._stiffness @ self.height))
+
     def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
         """Start a step of ``dt`` [s]; gravity is built in, ``load`` adds its horizontal part."""
         sideways = load.body_force * (1.0, 1.0, 0.0)

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.special import jnp_zeros
 
 from coupling.foam.added_mass import neumann_trace
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
 from coupling.verify import CaseError, run_case
-from coupling.verify.slosh import GRAVITY, RADIUS
+from coupling.verify.free_surface import LUMPED
+from coupling.verify.slosh import EIGENVALUES, GRAVITY, RADIUS
+from coupling.verify.sloshing_modes import lateral_eigenvalue
 
 
 def errors(result):
@@ -38,7 +41,49 @@ def test_rigid_body_limit():
 @pytest.mark.parametrize("case", ["rigid", "momentum", "slosh"])
 def test_other_fluids_are_refused(case):
     with pytest.raises(CaseError, match="fluid"):
-        run_case(case, {"fluid": "potential"})
+        run_case(case, {"fluid": "datum"})
+
+
+def test_lateral_modes_are_those_of_the_literature():
+    for (level, mode), printed in EIGENVALUES.items():
+        digits = 1e-6 if printed == 1.560157 else 1e-4  # half of the last one printed, and rounding
+        assert lateral_eigenvalue(level, mode) == pytest.approx(printed, abs=0.51 * digits)
+
+
+@pytest.mark.parametrize(("level", "mode", "order"), [(0.4, 1, 1.6), (1.0, 2, 1.6), (1.8, 1, 1.6)])
+def test_potential_slosh_converges(level, mode, order):
+    # n = 6 and 12 cells along the square's edge: 132 and 528 faces.
+    found = [
+        errors(run_case("slosh", {
+            "fluid": "potential", "level": str(level), "mode": str(mode), "resolution": str(faces),
+        }))["lambda"]
+        for faces in (132, 528)
+    ]  # fmt: skip
+    assert np.log2(found[0] / found[1]) > order
+    # 2200 faces are the default: n = 24, at that order from here.
+    assert found[1] / 2**order < {1: 2e-3, 2: 1e-2}[mode]
+
+
+def test_potential_slosh_in_time_keeps_its_energy():
+    step, faces = 0.01, 132
+    options = {"fluid": "potential", "resolution": str(faces)}
+    in_space = run_case("slosh", options).quantities[0].computed
+    moving, kept = run_case("slosh", options | {"step": str(step)}).quantities
+    angle = np.sqrt(in_space * GRAVITY / RADIUS) * step
+    # backward lowers omega^2 by 2/3 (omega dt)^2. The share of gravity that acts on the nodes sees
+    # heights that are (k h)^2/8 above the means over faces, k of the mode and h^2 their area.
+    own = LUMPED * (jnp_zeros(1, 1)[0] ** 2 * np.pi / faces) / 4
+    wanted = in_space * (1 - 2 / 3 * angle**2 + own)
+    assert moving.computed == pytest.approx(wanted, rel=0.2 * own + angle**4)
+    lost = 20 * np.pi * angle**3  # in twenty periods; a third more for the higher modes
+    assert 1 - 1.5 * lost < kept.computed < 1 - 0.9 * lost
+
+
+def test_potential_slosh_names_what_it_takes():
+    with pytest.raises(CaseError, match="level must lie in"):
+        run_case("slosh", {"fluid": "potential", "level": "1.95"})
+    with pytest.raises(CaseError, match="one of"):
+        run_case("slosh", {"level": "1.2"})
 
 
 @pytest.mark.openfoam
