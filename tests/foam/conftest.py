@@ -5,10 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from coupling.foam.build import build_solver
+from coupling.foam.debian_source import NoHeaders
+from coupling.foam.process import OpenFoam, find_openfoam
 
 EDT = [sys.executable, "-c", "from coupling.cli import main; main()"]
 SCENE = """\
@@ -53,6 +58,17 @@ def edt() -> Edt:
         )  # fmt: skip
 
     return call
+
+
+@pytest.fixture(scope="session")
+def alive() -> OpenFoam:
+    """OpenFOAM with the solver that stays alive, built now if need be."""
+    try:
+        build_solver(find_openfoam())
+    except NoHeaders as reason:  # without a network; a solver that does not compile is a failure
+        warnings.warn(f"NOT TESTED: the solver that stays alive. {reason}", stacklevel=1)
+        pytest.skip(f"NOT TESTED: the solver that stays alive. {reason}")
+    return find_openfoam(keep_alive=True)
 
 
 @pytest.fixture(scope="session")

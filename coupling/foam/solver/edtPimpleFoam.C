@@ -12,6 +12,7 @@
 
 #include "coupler.H"
 #include "stepTime.H"
+#include "sweeps.H"
 
 int main(int argc, char *argv[])
 {
@@ -64,6 +65,7 @@ int main(int argc, char *argv[])
         }
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
+        pairsForwards() = true;
         while (pimple.loop())
         {
             if (pimple.firstIter() || moveMeshOuterCorrectors)
