@@ -22,11 +22,11 @@ pytestmark = pytest.mark.openfoam
 RADIUS, DENSITY, STEP = 0.4445, 1000.0, 0.005
 
 
-def flow_at_rest(folder, topology, cells, viscosity=1e-6):
+def flow_at_rest(folder, topology, cells, viscosity=1e-6, openfoam=None):
     """A flow below a dome (ball) or a disc (half ball), written to ``folder``."""
     mesh = topology(cells)
     flow = OpenFoamFlow(
-        folder, mesh, openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
+        folder, mesh, openfoam=openfoam or find_openfoam(), radius=RADIUS, density=DENSITY,
         viscosity=viscosity, timeout=60.0,
     )  # fmt: skip
     points = RADIUS * mesh.points
