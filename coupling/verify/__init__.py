@@ -35,6 +35,7 @@ CASES: dict[str, str] = {
     "chain": "coupling.verify.hanging:chain",
     "static-level": "coupling.verify.static_level:static_level",
     "slosh": "coupling.verify.slosh:slosh",
+    "cylinder": "coupling.verify.cylinder:cylinder",
     "rigid": "coupling.verify.rigid:rigid",
     "momentum": "coupling.verify.momentum:momentum",
     "eq46": "coupling.verify.numbers:eq46",

@@ -1,4 +1,4 @@
-"""A free liquid surface as the structure: no stiffness but gravity's, next to no mass."""
+"""A free liquid surface as the structure: the stiffness of gravity and of a tension, no other."""
 
 from __future__ import annotations
 
@@ -7,11 +7,28 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh, null_space
 
 from coupling.interface import swept_gradient
 from coupling.ports import Array, HydrostaticLoad, Ints
 
 LUMPED = 0.05
+
+
+def slope_form(plan: Array, faces: Ints) -> Array:
+    """Matrix (p, p) of int grad h . grad h over bilinear faces (F, 4) at ``plan`` (p, 2)."""
+    node = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3)
+    u, v = np.repeat(node, 2), np.tile(node, 2)
+    by_u = np.stack([v - 1, 1 - v, v, -v], axis=1)
+    by_v = np.stack([u - 1, -u, u, 1 - u], axis=1)
+    slopes = np.stack([by_u, by_v], axis=1)  # (Q, 2, 4)
+    jacobian = slopes @ plan[faces][:, None]  # (F, Q, 2, 2)
+    gradient = np.linalg.solve(jacobian, np.broadcast_to(slopes, (len(faces), *slopes.shape)))
+    area = np.linalg.det(jacobian) / 4
+    parts = np.einsum("fq,fqxi,fqxj->fij", area, gradient, gradient)
+    form = np.zeros((len(plan), len(plan)))
+    np.add.at(form, (faces[:, :, None], faces[:, None, :]), parts)
+    return form
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +48,9 @@ class FreeSurface:
     A node moves along ``path`` (p, 3), which is 1 along gravity's opposite: straight up inside, and
     tangentially to the wall at the rim. Gravity's stiffness rho g A acts on the faces' means, as
     the flow's pressure does, but for a share ``LUMPED`` on the nodes, which gives a stiffness to
-    the checkerboard that no mean sees. A surface mass ``mass`` [kg/m^2] is lumped. Exact for small
-    heights up to the grid's error; steps are ``backward``, the first one Euler.
+    the checkerboard that no mean sees. A surface mass ``mass`` [kg/m^2] is lumped, a ``tension``
+    [N/m] acts on bilinear faces. Exact for small heights up to the grid's error; steps are
+    ``backward``, the first one Euler.
     """
 
     def __init__(
@@ -44,6 +62,7 @@ class FreeSurface:
         mass: float,
         density: float,
         gravity: float,
+        tension: float = 0.0,
     ) -> None:
         self.reference, self.path = points, path
         self.triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
@@ -59,10 +78,23 @@ class FreeSurface:
         means = flux.T @ (flux / flux.sum(axis=1)[:, None])
         lumped = np.diag(self._area)
         self._stiffness = density * gravity * ((1 - LUMPED) * means + LUMPED * lumped)
+        self._stiffness += tension * slope_form(points[:, :2], faces)
         self.height = np.zeros(len(points))
         self.speed = np.zeros((2, len(points)))  # now, one step ago
         self._before = self.height
         self.steps = 0
+
+    def mode(self, shape: Array, added_mass: Array) -> float:
+        """omega [1/s] of the mode most like the heights ``shape`` (p,), volume kept.
+
+        ``added_mass`` (r, p, 3) [kg^(1/2)] of the liquid.
+        """
+        rows = np.einsum("rpx,px->rp", added_mass, self.path)
+        inertia = rows.T @ rows + np.diag(self._mass)
+        kept = null_space(self._area[None])
+        value, vector = eigh(kept.T @ self._stiffness @ kept, kept.T @ inertia @ kept)
+        like = np.abs(vector.T @ (kept.T @ (inertia @ shape)))
+        return float(np.sqrt(value[np.argmax(like)]))
 
     def displace(self, height: Array) -> None:
         """Start at rest from ``height`` (p,) [m], its mean removed."""

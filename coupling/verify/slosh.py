@@ -7,23 +7,19 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 from scipy.special import jnp_zeros, jv
 from threadpoolctl import threadpool_limits
 
-from coupling.convergence import Convergence
-from coupling.coupled_step import CoupledStep
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.geometry import fan_volume
 from coupling.foam.mesh import LiquidMesh, half_ball
 from coupling.foam.process import find_openfoam
-from coupling.mapping import Matching
-from coupling.ports import Array, HydrostaticLoad, RunFailed
-from coupling.schemes import scheme_named
+from coupling.ports import Array
 from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
 from coupling.verify.potential_slosh import lateral_mode, level_surface, released
+from coupling.verify.release import coupled_release, fitted_frequency
 from coupling.verify.sloshing_modes import lateral_eigenvalue
 
 # omega^2 R/g of lateral (m = 1) modes, by level over R and mode: McIver, J. Fluid Mech. 201 (1989).
@@ -67,7 +63,7 @@ def slosh(
         step, resolution = step or 0.01, resolution or 1300
         with tempfile.TemporaryDirectory() as folder:
             time, signal = _release(Path(folder), level, mode, omega, step, resolution)
-        found = _frequency(time, signal, omega) ** 2 * RADIUS / GRAVITY
+        found = fitted_frequency(time, signal, omega) ** 2 * RADIUS / GRAVITY
         quantities = [quantity("lambda", found, exact)]
     else:
         resolution = resolution or (200 if step else 2200)
@@ -114,7 +110,7 @@ def _potential(level: float, mode: int, exact: float, step: float, faces: int) -
             RADIUS * points, quads, trace / RADIUS, shape,
             density=DENSITY, gravity=GRAVITY, step=step, duration=20 * 2 * np.pi / omega,
         )  # fmt: skip
-    found = _frequency(time, signal, omega) ** 2 * RADIUS / GRAVITY
+    found = fitted_frequency(time, signal, omega) ** 2 * RADIUS / GRAVITY
     return [quantity("lambda", found, exact), quantity("energy_kept", energy[-1] / energy[0], 1.0)]
 
 
@@ -133,21 +129,10 @@ def _release(
     shape = _mode_shape(level_patch[:, :2], mode)
     surface.displace(AMPLITUDE * RADIUS * shape)
     flow.start(surface.state.position, shell, np.pi * RADIUS**3 * level**2 * (3 - level) / 3)
-    scheme, added_mass = scheme_named("added-mass", relaxation=1.0, reuse=0)
-    coupled = CoupledStep(
-        surface, flow, Matching(), scheme, added_mass=added_mass, max_iterations=30,
-        convergence=Convergence(tolerance=1e-4, floor=GRAVITY * step**2 * AMPLITUDE),
-        record=lambda *_: None,
+    return coupled_release(
+        surface, flow, shape,
+        step=step, duration=PERIODS * 2 * np.pi / omega, acceleration=GRAVITY * AMPLITUDE,
     )  # fmt: skip
-    load = HydrostaticLoad(density=DENSITY, body_force=np.array([0.0, 0.0, -GRAVITY]))
-    steps = int(np.ceil(PERIODS * 2 * np.pi / omega / step))
-    signal = [surface.moment(shape)]
-    for number in range(steps):
-        outcome = coupled.advance(number * step, step, load)
-        if not outcome.converged:
-            raise RunFailed(f"verify slosh: step {number} left {outcome.residual:.1e}.")
-        signal.append(surface.moment(shape))
-    return np.linspace(0.0, step * steps, steps + 1), np.array(signal)
 
 
 def level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
@@ -183,22 +168,3 @@ def _mode_shape(plan: Array, mode: int) -> Array:
     shape = jv(1, jnp_zeros(1, mode)[-1] * distance / distance.max())
     shape = shape * plan[:, 0] / np.maximum(distance, 1e-12)
     return np.asarray(shape / np.abs(shape).max())
-
-
-def _frequency(time: Array, signal: Array, omega: float) -> float:
-    """omega [1/s] of the damped cosine, with one neighbouring mode beside it, fitted to signal."""
-    signal = signal / np.abs(signal).max()  # the fit's tolerances are absolute
-
-    def basis(parameters: Array) -> Array:
-        columns = []
-        for frequency, damping in parameters.reshape(-1, 2) * omega:
-            decay = np.exp(-damping * time)
-            columns += [decay * np.cos(frequency * time), decay * np.sin(frequency * time)]
-        return np.array(columns).T
-
-    def misfit(parameters: Array) -> Array:
-        matrix = basis(parameters)
-        return np.asarray(matrix @ np.linalg.lstsq(matrix, signal, rcond=None)[0] - signal)
-
-    fit = least_squares(misfit, np.array([1.0, 0.0, 1.84, 0.0]), x_scale=0.1)
-    return float(fit.x[0] * omega)

@@ -9,8 +9,11 @@ from coupling.foam.added_mass import neumann_trace
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
 from coupling.verify import CaseError, run_case
+from coupling.verify.cylinder import Tank
 from coupling.verify.free_surface import LUMPED
-from coupling.verify.slosh import EIGENVALUES, GRAVITY, RADIUS
+from coupling.verify.potential_slosh import added_mass
+from coupling.verify.prism import prism_mesh
+from coupling.verify.slosh import DENSITY, EIGENVALUES, GRAVITY, RADIUS
 from coupling.verify.sloshing_modes import lateral_eigenvalue
 
 
@@ -117,3 +120,48 @@ def test_slosh_frequency_within_grid_and_step_error():
     assert found.error < 1.5 * (in_time + operator_error(cells))
     assert found.computed < found.exact
     assert found.error > 0.5 * in_time  # a solver of first order would be damped, not slower
+
+
+def test_cylinder_of_panels_converges():
+    # n = 6 and 10 cells along the square's edge: 132 and 340 faces on the surface.
+    found = [
+        errors(run_case("cylinder", {"resolution": str(faces)}))["omega"] for faces in (132, 340)
+    ]
+    order = np.log(found[0] / found[1]) / np.log(10 / 6)
+    assert order > 1.6
+    assert found[1] * (10 / 12) ** order < 5e-3  # 600 faces are the default: n = 12
+
+
+def test_tension_raises_the_frequency_as_it_should():
+    """The membrane's share, apart from the liquid's error in the grid, which both have."""
+    slack, tight = (
+        run_case("cylinder", {"tension": str(tension), "resolution": "132"}).quantities[0]
+        for tension in (0, 400)
+    )
+    share = tight.computed / slack.computed / (tight.exact / slack.exact)
+    assert share == pytest.approx(1.0, abs=(1.841 / 6) ** 2 / 24 * 1.5)  # (k h)^2/24, bilinear
+    assert tight.exact / slack.exact > 1.2
+
+
+@pytest.mark.parametrize("wrong", [{"mode": "1"}, {"mode": "1,0"}, {"depth": "0"}])
+def test_cylinder_names_what_it_takes(wrong):
+    with pytest.raises(CaseError, match=f"--{next(iter(wrong))}"):
+        run_case("cylinder", wrong)
+
+
+@pytest.mark.openfoam
+def test_cylinder_with_openfoam_within_grid_and_step_error():
+    step, cells = 0.04, 400
+    found = run_case(
+        "cylinder", {"fluid": "openfoam", "step": str(step), "resolution": str(cells)}
+    ).quantities[0]
+    mesh = prism_mesh(cells, 1.0)
+    tank = Tank(tension=100.0, order=1, wave_number=jnp_zeros(1, 1)[0] / RADIUS, depth=1.0)
+    top = RADIUS * mesh.points[mesh.patch_points]
+    trace = neumann_trace(mesh, cell_geometry(mesh, RADIUS * mesh.points))
+    rows = added_mass(top, mesh.patch_faces, trace, DENSITY)
+    in_space = tank.surface(top, mesh.patch_faces).mode(tank.shape(top), rows)
+    # backward lowers omega by (omega dt)^2/3; its next order, and the solver's splitting, beside.
+    angle = found.exact * step
+    assert found.computed == pytest.approx(in_space * (1 - angle**2 / 3), rel=0.25 * angle**2 / 3)
+    assert abs(in_space / found.exact - 1) < 0.01

@@ -1,0 +1,159 @@
+"""A membrane on the liquid of an upright cylinder: the frequency of one of its modes."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from scipy.special import jnp_zeros, jv
+from threadpoolctl import threadpool_limits
+
+from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.foam.geometry import fan_volume
+from coupling.foam.mesh import LiquidMesh
+from coupling.foam.process import find_openfoam
+from coupling.inviscid.operator import closed_trace
+from coupling.ports import Array, Ints
+from coupling.verify.case import CaseError, VerifyResult, quantity
+from coupling.verify.disc import disc_grid
+from coupling.verify.free_surface import FreeSurface
+from coupling.verify.potential_slosh import added_mass
+from coupling.verify.prism import prism_mesh, prism_panels
+from coupling.verify.release import coupled_release, fitted_frequency
+
+RADIUS, GRAVITY, DENSITY = 0.4445, 9.81, 1000.0
+MEMBRANE = 1.9025  # kg/m^2: 1.778 mm of AF-E-332
+AMPLITUDE = 2e-3  # over R
+PERIODS = 2.0
+
+
+def cylinder(
+    *,
+    tension: float = 100.0,
+    mode: str = "1,1",
+    depth: float = 1.0,
+    fluid: str = "potential",
+    step: float = 0.02,
+    resolution: int = 0,
+) -> VerifyResult:
+    """Frequency ``omega`` of a heavy membrane under ``tension`` [N/m] that slides up the wall.
+
+    omega^2 = (rho g + T k^2)/(rho_d t + rho coth(k H)/k), k = j'_mn/R; ``mode``: m,n; ``depth``: H
+    over R. ``fluid``:
+
+    - ``potential``: the surface's mode with the panels' added mass, on the whole of the liquid's
+      boundary, of which ``resolution`` faces on the surface, 0 for 600. No step.
+    - ``openfoam``: released from the mode's shape, through the whole coupling; ``step`` [s],
+      ``resolution``: cells of the mesh, 0 for 2000. ``backward`` lowers omega by (omega dt)^2/3.
+
+    The error in the grid is of order 1.7 and more: the liquid has edges.
+    """
+    clock = perf_counter()
+    m, k = _wave_number(mode)
+    if fluid not in ("openfoam", "potential"):
+        raise CaseError(f"verify cylinder: --fluid: must be openfoam or potential, got '{fluid}'.")
+    if not (depth > 0 and tension >= 0):
+        raise CaseError("verify cylinder: --depth must be positive and --tension not negative.")
+    inertia = MEMBRANE + DENSITY / (k * np.tanh(k * depth * RADIUS))
+    omega = float(np.sqrt((DENSITY * GRAVITY + tension * k**2) / inertia))
+    tank = Tank(tension=tension, order=m, wave_number=k, depth=depth)
+    if fluid == "potential":
+        step, resolution = 0.0, resolution or 600
+        with threadpool_limits(1):
+            found = tank.potential(resolution)
+    else:
+        resolution = resolution or 2000
+        with tempfile.TemporaryDirectory() as folder:
+            found = tank.openfoam(Path(folder), omega, step, resolution)
+    return VerifyResult(
+        case="cylinder",
+        options={
+            "tension": tension,
+            "mode": mode,
+            "depth": depth,
+            "fluid": fluid,
+            "step": step,
+            "resolution": resolution,
+        },
+        quantities=(quantity("omega", found, omega, "rad/s"),),
+        wall_s=perf_counter() - clock,
+    )
+
+
+def _wave_number(mode: str) -> tuple[int, float]:
+    """m and k [1/m] of the mode m,n."""
+    try:
+        m, n = (int(part) for part in mode.split(","))
+    except ValueError:
+        m, n = -1, 0
+    if m < 0 or n < 1:
+        raise CaseError(f"verify cylinder: --mode: must be m,n as in 1,1, got '{mode}'.")
+    return m, float(jnp_zeros(m, n)[-1]) / RADIUS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tank:
+    """A cylinder of ``depth`` over R, its membrane's ``tension`` [N/m], a mode: m, k [1/m]."""
+
+    tension: float
+    order: int
+    wave_number: float
+    depth: float
+
+    def potential(self, faces: int) -> float:
+        """omega [1/s] of the mode with the panels' added mass."""
+        plan, quads = disc_grid(faces)
+        points, panels = prism_panels(plan, quads, self.depth)
+        points = RADIUS * points
+        trace = closed_trace(points, panels)[: len(quads), : len(quads)]
+        top = points[: len(plan)]
+        surface = self.surface(top, quads)
+        return surface.mode(self.shape(top), added_mass(top, quads, trace, DENSITY))
+
+    def openfoam(self, folder: Path, omega: float, step: float, cells: int) -> float:
+        """omega [1/s] of the surface released from the mode's shape."""
+        mesh = prism_mesh(cells, self.depth)
+        flow = OpenFoamFlow(
+            folder, mesh, openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
+            viscosity=1e-6, timeout=120.0,
+        )  # fmt: skip
+        top, shell = (
+            RADIUS * mesh.points[mesh.patch_points],
+            RADIUS * mesh.points[mesh.shell_points],
+        )
+        surface = self.surface(top, flow.faces)
+        shape = self.shape(top)
+        surface.displace(AMPLITUDE * RADIUS * shape)
+        flow.start(surface.state.position, shell, _volume(mesh))
+        try:
+            time, signal = coupled_release(
+                surface, flow, shape, step=step, duration=PERIODS * 2 * np.pi / omega,
+                acceleration=AMPLITUDE * RADIUS * omega**2,
+            )  # fmt: skip
+        finally:
+            flow.close()
+        return fitted_frequency(time, signal, omega)
+
+    def surface(self, top: Array, faces: Ints) -> FreeSurface:
+        """The membrane on points ``top`` (p, 3) [m] and ``faces`` (F, 4)."""
+        path = np.zeros_like(top)
+        path[:, 2] = 1.0
+        return FreeSurface(
+            top, faces, path,
+            mass=MEMBRANE, density=DENSITY, gravity=GRAVITY, tension=self.tension,
+        )  # fmt: skip
+
+    def shape(self, top: Array) -> Array:
+        """Heights (p,) of the mode, of largest value 1."""
+        angle = np.arctan2(top[:, 1], top[:, 0])
+        distance = np.linalg.norm(top[:, :2], axis=1)
+        shape = jv(self.order, self.wave_number * distance) * np.cos(self.order * angle)
+        return np.asarray(shape / np.abs(shape).max())
+
+
+def _volume(mesh: LiquidMesh) -> float:
+    """Of the reference mesh [m^3]."""
+    return RADIUS**3 * fan_volume(mesh.points[mesh.faces[mesh.inner_faces :]])

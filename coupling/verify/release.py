@@ -1,0 +1,63 @@
+"""A surface let go from rest above a flow: its course in time, and the frequency of that."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from coupling.convergence import Convergence
+from coupling.coupled_step import CoupledStep
+from coupling.mapping import Matching
+from coupling.ports import Array, Flow, HydrostaticLoad, RunFailed
+from coupling.schemes import scheme_named
+from coupling.verify.free_surface import FreeSurface
+
+
+def coupled_release(
+    surface: FreeSurface,
+    flow: Flow,
+    shape: Array,
+    *,
+    step: float,
+    duration: float,
+    acceleration: float,
+) -> tuple[Array, Array]:
+    """Times (T,) [s] and the moment (T,) of the heights with ``shape`` (p,) after the release.
+
+    Through the whole coupling; ``surface`` is displaced and ``flow`` started already.
+    ``acceleration`` [m/s^2]: the surface's largest, whose way in a step is what counts as small.
+    """
+    scheme, added_mass = scheme_named("added-mass", relaxation=1.0, reuse=0)
+    coupled = CoupledStep(
+        surface, flow, Matching(), scheme, added_mass=added_mass, max_iterations=30,
+        convergence=Convergence(tolerance=1e-4, floor=acceleration * step**2),
+        record=lambda *_: None,
+    )  # fmt: skip
+    load = HydrostaticLoad(density=0.0, body_force=np.zeros(3))  # gravity is the surface's own
+    steps = int(np.ceil(duration / step))
+    signal = [surface.moment(shape)]
+    for number in range(steps):
+        outcome = coupled.advance(number * step, step, load)
+        if not outcome.converged:
+            raise RunFailed(f"verify: step {number} left {outcome.residual:.1e}.")
+        signal.append(surface.moment(shape))
+    return np.linspace(0.0, step * steps, steps + 1), np.array(signal)
+
+
+def fitted_frequency(time: Array, signal: Array, omega: float) -> float:
+    """omega [1/s] of the damped cosine, with one neighbouring mode beside it, fitted to signal."""
+    signal = signal / np.abs(signal).max()  # the fit's tolerances are absolute
+
+    def basis(parameters: Array) -> Array:
+        columns = []
+        for frequency, damping in parameters.reshape(-1, 2) * omega:
+            decay = np.exp(-damping * time)
+            columns += [decay * np.cos(frequency * time), decay * np.sin(frequency * time)]
+        return np.array(columns).T
+
+    def misfit(parameters: Array) -> Array:
+        matrix = basis(parameters)
+        return np.asarray(matrix @ np.linalg.lstsq(matrix, signal, rcond=None)[0] - signal)
+
+    fit = least_squares(misfit, np.array([1.0, 0.0, 1.84, 0.0]), x_scale=0.1)
+    return float(fit.x[0] * omega)
