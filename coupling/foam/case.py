@@ -20,8 +20,8 @@ from PyFoam.RunDictionary.ParsedParameterFile import ParsedParameterFile
 from coupling.foam import fields
 from coupling.foam.logs import read_log
 from coupling.foam.mesh import LiquidMesh
-from coupling.foam.parts import Part, decompose, decomposed, gathered, whole
-from coupling.foam.process import OpenFoam, run_program
+from coupling.foam.parts import Part, decompose, decomposed, gathered, is_spread, whole
+from coupling.foam.process import OpenFoam, OpenFoamFailed, run_program
 
 if TYPE_CHECKING:
     from coupling.ports import Array
@@ -151,8 +151,9 @@ class Case:
 
     @property
     def exists(self) -> bool:
-        """Whether the case has been written."""
-        return (self.folder / "constant" / "polyMesh" / "boundary").is_file()
+        """Whether the case has been written, for as many processors."""
+        mesh = self.folder / "constant" / "polyMesh" / "boundary"
+        return mesh.is_file() and is_spread(self.folder, self.openfoam.processors)
 
     @property
     def times(self) -> list[float]:
@@ -186,7 +187,16 @@ class Case:
         return packed
 
     def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
-        """The reverse of ``pack``; other entries of ``saved`` are let be."""
+        """The reverse of ``pack``; other entries of ``saved`` are let be.
+
+        Raises ``OpenFoamFailed`` where they are those of another number of processors.
+        """
+        named = {name.split("/")[0] for name in saved if name.startswith("file:processor")}
+        if max(1, len(named)) != len(self.parts):
+            raise OpenFoamFailed(
+                f"t = {time:.6g} s: the checkpoint is one of {max(1, len(named))} processors, the "
+                f"scene asks for {len(self.parts)}. Set openfoam.processors = {max(1, len(named))}."
+            )
         for part in self.parts:
             head = f"file:{part.name}/" if part.name else "file:"
             for name, data in saved.items():

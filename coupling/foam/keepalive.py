@@ -6,6 +6,7 @@ that nothing is read or written between two calls. Frames and pipes: ``solver/co
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,9 @@ def case_of(folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: floa
     """A case solved as ``openfoam`` says: by a process that stays alive, or by restarts."""
     kind = Case if openfoam.keep_alive is None else AliveCase
     return kind(folder, mesh, openfoam=openfoam, timeout=timeout)
+
+
+LOG_LIMIT = 50_000_000  # bytes of the solver's log; beyond, it starts again at a checkpoint
 
 
 class AliveCase(Case):
@@ -102,6 +106,8 @@ class AliveCase(Case):
             self._began = None
             request = (Frame(WRITE, 0, time, 0.0), b"")
             self._pipes.exchange([request] * len(self.parts), f"t = {name} s")
+            if self.log.stat().st_size > LOG_LIMIT:
+                os.truncate(self.log, 0)
 
     def close(self) -> None:
         """End the process; the next step starts from the files."""

@@ -67,6 +67,16 @@ def cuts(processors: int) -> tuple[int, int, int]:
     return (rest // middle, middle, smallest)
 
 
+def is_spread(case: Path, processors: int) -> bool:
+    """Whether the case in this folder has been decomposed for so many processors."""
+    if processors == 1:
+        return True
+    folders = sorted(path.name for path in case.glob("processor*"))
+    return folders == sorted(f"processor{rank}" for rank in range(processors)) and all(
+        (case / name / _ADDRESSING.format("cell")).is_file() for name in folders
+    )
+
+
 def decomposed(case: Path, processors: int) -> list[Part]:
     """The parts of a decomposed case. Raises ``OpenFoamFailed`` where one is missing or broken."""
     found = []

@@ -3,6 +3,7 @@
 import dataclasses
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -140,8 +141,9 @@ def test_files_are_those_of_a_restart(flow_of, alive):
     assert (velocity == staying._velocity).all()
 
 
+@pytest.mark.parametrize("lost", [False, True], ids=["", "lost"])
 @pytest.mark.parametrize("kind", ["alive", "two"])
-def test_process_goes_on_from_its_own_files(flow_of, request, kind):
+def test_process_goes_on_from_its_own_files(flow_of, request, kind, lost):
     broken, whole = (flow_of(request.getfixturevalue(kind)) for _ in range(2))
     for number in range(2):
         stepped(broken, number)
@@ -150,6 +152,8 @@ def test_process_goes_on_from_its_own_files(flow_of, request, kind):
     assert any(name.startswith("file:") for name in saved)
     stepped(broken, 2)
     stepped(whole, 2)
+    if lost:
+        shutil.rmtree(broken.case.folder)
     broken.restore(saved)  # as a resumed run does: the process ends, a new one reads the files
     assert broken.case.times[-1] == 2 * STEP
     for number in (2, 3):
@@ -158,6 +162,31 @@ def test_process_goes_on_from_its_own_files(flow_of, request, kind):
             other = stepped(whole, 3)
             assert distance(one[0], other[0]) < SOLVER_TOLERANCE
             assert distance(one[1], other[1]) < SOLVER_TOLERANCE
+
+
+def test_checkpoint_of_other_processors_is_refused(flow_of, alive, two):
+    serial, parallel = flow_of(alive), flow_of(two)
+    stepped(serial, 0)
+    stepped(parallel, 0)
+    of_one, of_two = serial.save(), parallel.save()
+    with pytest.raises(OpenFoamFailed, match=r"of 1 processors(.|\n)*openfoam.processors = 1\."):
+        parallel.restore(of_one)
+    with pytest.raises(OpenFoamFailed, match=r"of 2 processors(.|\n)*openfoam.processors = 2\."):
+        serial.restore(of_two)
+
+
+def test_log_does_not_grow_for_ever(flow_of, alive, monkeypatch):
+    flow = flow_of(alive)
+    stepped(flow, 0)
+    flow.save()
+    whole = flow.case.log.stat().st_size
+    monkeypatch.setattr("coupling.foam.keepalive.LOG_LIMIT", whole - 1)
+    stepped(flow, 1)
+    flow.save()
+    assert flow.case.log.stat().st_size == 0
+    stepped(flow, 2)
+    assert 0 < flow.case.log.stat().st_size < whole
+    assert flow.case.log.read_text().lstrip().startswith("Time = 0.015")
 
 
 def test_length_of_a_repeated_step_may_change(flow_of, alive):
