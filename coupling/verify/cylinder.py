@@ -117,7 +117,7 @@ class Tank:
         """omega [1/s] of the surface released from the mode's shape."""
         mesh = prism_mesh(cells, self.depth)
         flow = OpenFoamFlow(
-            folder, mesh, openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
+            folder, mesh, openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
             viscosity=1e-6, timeout=120.0,
         )  # fmt: skip
         top, shell = (

@@ -68,7 +68,7 @@ def momentum(
 def _shaken(folder: Path, step: float, cells: int) -> tuple[Array, Array, Array, float]:
     """Force of p* [N], centre of gravity [m] and sum rho V U [N s], (T, 3) each; mass [kg]."""
     flow = OpenFoamFlow(
-        folder, half_ball(cells), openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
+        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
         viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     patch, shell, path = level_shape(flow.mesh, 0.0)
@@ -98,7 +98,8 @@ def _shaken(folder: Path, step: float, cells: int) -> tuple[Array, Array, Array,
         outcome = coupled.advance(number * step, step, load)
         if not outcome.converged:
             raise RunFailed(f"verify momentum: step {number} left {outcome.residual:.1e}.")
-        time = flow.case.time_folder((number + 1) * step)
+        flow.case.flush(flow.time)
+        time = flow.case.time_folder(flow.time)
         volume = cell_geometry(flow.mesh, read_points(time / "polyMesh" / "points")).volume
         momentum = DENSITY * volume @ read_cells(time / "U", flow.mesh.cells)
         sample = outcome.sample

@@ -119,7 +119,7 @@ def _release(
 ) -> tuple[Array, Array]:
     """Times (T,) [s] and the first moment of the heights (T,) after the release from rest."""
     flow = OpenFoamFlow(
-        folder, half_ball(cells), openfoam=find_openfoam(), radius=RADIUS, density=DENSITY,
+        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
         viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     level_patch, shell, path = level_shape(flow.mesh, level - 1.0)
