@@ -41,6 +41,11 @@ class SymmetricTrace:
             self.single.flat[:: len(self.single) + 1] += floor - least
         self._kappa, self._vectors = eigh(self._product, self.single)
 
+    @property
+    def limited(self) -> bool:
+        """Whether an eigenvalue was near enough to the least that counts to be computed at all."""
+        return self._factor is None
+
     def matrix(self) -> Array:
         """G (F, F) [1/m]."""
         if self._factor is not None:

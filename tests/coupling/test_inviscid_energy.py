@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from coupling.foam.geometry import cell_geometry, fan_volume
 from coupling.foam.mesh import half_ball
 from coupling.interface import swept_gradient
 from coupling.inviscid.lagrangian import kinetic_gradient
-from coupling.inviscid.operator import ball_trace
+from coupling.inviscid.operator import ball_trace, boundary_integrals, closed_trace
 from coupling.inviscid.panels import FINE, rule
 from coupling.inviscid.surface import (
     area_vectors,
@@ -14,6 +15,9 @@ from coupling.inviscid.surface import (
     surface_pressure,
     surface_speed,
 )
+from coupling.inviscid.symmetric import SymmetricTrace
+from coupling.verify.disc import disc_grid
+from coupling.verify.prism import prism_mesh, prism_panels
 
 DENSITY = 1000.0
 
@@ -69,6 +73,41 @@ def test_potential_of_an_exact_flow_below_a_curved_sheet(triangles):
     errors = np.array([potential_error(cells, triangles) for cells in (180, 550, 2400)])
     assert errors[-1] < 0.02
     assert np.log(errors[0] / errors[-1]) / np.log(10 / 4) > 1.6
+
+
+def closed_error(faces):
+    """Of the kinetic energy of a harmonic flow in a cylinder of radius and depth 1."""
+    plan, quads = disc_grid(faces)
+    points, panels = prism_panels(plan, quads, 1.0)
+    at, area = rule(4, FINE).sample(points[panels])
+    x, y, z = np.moveaxis(at, -1, 0)
+    potential = x**2 - z**2 + y * z
+    velocity = np.stack([2 * x, z, y - 2 * z], axis=-1)
+    flux = np.sum(velocity * area, axis=(1, 2))
+    wanted = np.sum(potential[..., None] * velocity * area)  # int phi u.n, both as they are
+    return abs(flux @ closed_trace(points, panels) @ flux / wanted - 1)
+
+
+def test_energy_of_an_exact_flow_in_a_closed_cylinder():
+    # n = 4, 6, 10 cells along the square's edge. Edges cost part of the second order: 1.44 is seen.
+    errors = np.array([closed_error(faces) for faces in (64, 132, 340)])
+    assert errors[-1] < 0.02
+    assert np.log(errors[0] / errors[-1]) / np.log(10 / 4) > 1.3
+
+
+def test_prism_is_closed_and_its_mesh_fills_it():
+    plan, quads = disc_grid(132)
+    points, panels = prism_panels(plan, quads, 0.7)
+    area = area_vectors(points[panels])
+    assert area.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-14)
+    assert fan_volume(points[panels]) == pytest.approx(0.7 * np.pi, rel=1e-12)
+    mesh = prism_mesh(700, 0.7)
+    geometry = cell_geometry(mesh, mesh.points)
+    assert geometry.volume.min() > 0
+    assert geometry.volume.sum() == pytest.approx(0.7 * np.pi, rel=1e-12)
+    top = geometry.face_area[mesh.diaphragm]
+    assert top[:, 2].min() > 0
+    assert top[:, 2].sum() == pytest.approx(np.pi, rel=1e-12)
 
 
 def test_speed_and_momentum_of_an_exact_flow():
@@ -148,7 +187,10 @@ def test_gradient_of_a_sheet_folded_on_itself_and_pressed_on_the_shell():
         return kinetic_gradient(points + shift * way, mesh.patch_faces, velocity, **known).energy
 
     found = kinetic_gradient(points, mesh.patch_faces, velocity, **known)
-    assert np.isfinite(found.gradient).all()
+    integrals = boundary_integrals(
+        points, mesh.patch_faces, radius=1.0, wall_share=0.5, clearance=0.02
+    )
+    assert SymmetricTrace(integrals.single, integrals.double).limited  # or it would test nothing
     difference = (energy(1e-6) - energy(-1e-6)) / 2e-6
     assert np.sum(found.gradient * way) == pytest.approx(difference, rel=1e-5)
 
