@@ -7,16 +7,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 
-import numpy as np
-
 from coupling.convergence import Convergence
+from coupling.defects import Defects
 from coupling.interface import pressure_force
 from coupling.mapping import Matching, MovingLeastSquares
-from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, RunFailed, Scheme, Structure
+from coupling.ports import (
+    AddedMass,
+    Array,
+    Flow,
+    FlowSample,
+    HydrostaticLoad,
+    RunFailed,
+    Scheme,
+    Structure,
+)
 
 DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
-_HISTORY = 3  # steps the predictor extrapolates
-_EXTRAPOLATION = {0: (), 1: (1.0,), 2: (2.0, -1.0), 3: (3.0, -3.0, 1.0)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,10 +39,10 @@ class CoupledStep:
     """Couples ``structure`` and ``flow`` through ``mapping`` by ``scheme``.
 
     With ``added_mass`` the flow's own inertia operator M_a enters the structure's step, and the
-    flow hands back its defect f + M_a a only, which is small and smooth in time; its quadratic
-    extrapolation from former steps is the predictor. The operator is refreshed every step, and the
-    defects with it, since force and acceleration are stored apart. ``record`` is told of every
-    iteration: time [s], iteration, relative residual, seconds.
+    flow hands back its defect p + M_a a only, which is small and smooth in time: extrapolated from
+    former steps it is the predictor. The operator belongs to the shape at the step's end, which is
+    first predicted with that of the step before. ``record`` is told of every iteration: time [s],
+    iteration, relative residual, seconds.
     """
 
     def __init__(
@@ -57,8 +63,8 @@ class CoupledStep:
         self.max_iterations = max_iterations
         self.record = record
         self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
-        self._force: list[Array] = []  # of the flow on its points, newest first [N]
-        self._acceleration: list[Array] = []  # of the flow's points, newest first [m/s^2]
+        self._defects = Defects()
+        self._inertia: AddedMass | None = None  # of this step, or the one before
         self._previous: Array | None = None  # the flow's points one step ago
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
@@ -73,8 +79,9 @@ class CoupledStep:
                     pressure = self.flow.solve(x)
                 force = pressure_force(x, self.flow.faces, pressure)
                 acceleration = (x - self._inertial) / self.structure.acceleration_scale
-                nodal = self.mapping.to_cloth(force + self._inertia(acceleration))
-                image = self._structure_answer(nodal)
+                if self._inertia is not None:
+                    force = force + self._inertia.force(acceleration)
+                image = self._structure_answer(force)
             relative = self.convergence.relative(image - x, x - start)
             residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
@@ -86,8 +93,8 @@ class CoupledStep:
             update = self.scheme.update(x.ravel(), (image - x).ravel()).reshape(x.shape)
             with self._timed("mapping"):
                 x = self.flow.close_volume(update)
-        self._force = [force, *self._force][:_HISTORY]
-        self._acceleration = [acceleration, *self._acceleration][:_HISTORY]
+        if self._inertia is not None:
+            self._defects.add(pressure + self._inertia.pressure(acceleration))
         self._previous = start
         self.scheme.accept_step()
         self.structure.accept_step()
@@ -102,34 +109,38 @@ class CoupledStep:
         """Open the step on both sides; the predicted interface (p, 3)."""
         self.scheme.begin_step()
         self.flow.begin_step(time, dt)
-        rows = None
-        if self.added_mass:
+        before = self.flow.points if self._previous is None else self._previous
+        ahead = 2 * self.flow.points - before
+        if not self.added_mass:
+            self._begin_structure(dt, load)
+            return self.flow.close_volume(ahead)
+        if self._inertia is None:
             with self._timed("fluid"):
-                self._rows = self.flow.added_mass()
-            with self._timed("mapping"):
-                rows = self.mapping.rows_to_cloth(self._rows)
+                self._inertia = self.flow.added_mass(self.flow.points)
+        predicted = self._prediction(dt, load, self._inertia, ahead)
+        with self._timed("fluid"):
+            self._inertia = self.flow.added_mass(predicted)
+        return self._prediction(dt, load, self._inertia, predicted)
+
+    def _prediction(
+        self, dt: float, load: HydrostaticLoad, inertia: AddedMass, near: Array
+    ) -> Array:
+        """Where the extrapolated defect leads with ``inertia``; it acts on a shape ``near`` it."""
+        with self._timed("mapping"):
+            rows = self.mapping.rows_to_cloth(inertia.rows)
+        self._begin_structure(dt, load, rows)
+        defect = self._defects.next(len(self.flow.faces))
+        return self._structure_answer(pressure_force(near, self.flow.faces, defect))
+
+    def _begin_structure(self, dt: float, load: HydrostaticLoad, rows: Array | None = None) -> None:
         with self._timed("structure"):
             self.structure.begin_step(dt, load, rows)
         self._inertial = self.mapping.to_flow(self.structure.inertial_prediction())
-        if self.added_mass:
-            past = zip(self._force, self._acceleration, strict=True)
-            defects = [f + self._inertia(a) for f, a in past]
-            weights = _EXTRAPOLATION[len(defects)]
-            defect = sum((w * d for w, d in zip(weights, defects, strict=True)), 0 * self._inertial)
-            return self._structure_answer(self.mapping.to_cloth(defect))
-        before = self.flow.points if self._previous is None else self._previous
-        return self.flow.close_volume(2 * self.flow.points - before)
-
-    def _inertia(self, acceleration: Array) -> Array:
-        """M_a a (p, 3) [N] on the flow's points; nothing where the scheme leaves it out."""
-        if not self.added_mass:
-            return 0 * acceleration
-        return np.tensordot(np.tensordot(self._rows, acceleration, 2), self._rows, 1)
 
     def _structure_answer(self, force: Array) -> Array:
-        """The interface (p, 3) that nodal ``force`` (n, 3) [N] leads to, its volume closed."""
+        """The interface (p, 3) that ``force`` (p, 3) [N] on it leads to, its volume closed."""
         with self._timed("structure"):
-            nodes = self.structure.solve(force)
+            nodes = self.structure.solve(self.mapping.to_cloth(force))
         with self._timed("mapping"):
             return self.flow.close_volume(self.mapping.to_flow(nodes))
 
@@ -141,18 +152,18 @@ class CoupledStep:
 
     def save(self) -> dict[str, Array]:
         """The predictor's history."""
-        saved = {}
-        for k, (f, a) in enumerate(zip(self._force, self._acceleration, strict=True)):
-            saved[f"force{k}"], saved[f"acceleration{k}"] = f, a
+        saved = self._defects.save()
+        if self._inertia is not None:
+            saved |= {"rows": self._inertia.rows, "factor": self._inertia.factor}
         if self._previous is not None:
             saved["previous"] = self._previous
         return saved
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
-        count = sum(name.startswith("force") for name in saved)
-        self._force = [saved[f"force{k}"] for k in range(count)]
-        self._acceleration = [saved[f"acceleration{k}"] for k in range(count)]
+        self._defects.restore(saved)
+        if "rows" in saved:
+            self._inertia = AddedMass(rows=saved["rows"], factor=saved["factor"])
         self._previous = saved.get("previous")
 
 

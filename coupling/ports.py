@@ -142,6 +142,26 @@ class FlowSample:
     non_orthogonality_max: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class AddedMass:
+    """A liquid's inertia M_a = B^T B on its interface, at one shape of it.
+
+    ``rows`` B = L C (r, p, 3) [kg^(1/2)] on the points; ``factor`` L (r, F) [kg^(1/2)/m^2] on the
+    faces; C is the faces' swept volume per displacement. Uniform pressures are left out.
+    """
+
+    rows: Array
+    factor: Array
+
+    def force(self, acceleration: Array) -> Array:
+        """M_a a (p, 3) [N] of accelerations (p, 3) [m/s^2]: what has to push the liquid."""
+        return np.tensordot(np.tensordot(self.rows, acceleration, 2), self.rows, 1)
+
+    def pressure(self, acceleration: Array) -> Array:
+        """The same as pressures (F,) [Pa] on the faces."""
+        return np.asarray(self.factor.T @ np.tensordot(self.rows, acceleration, 2))
+
+
 class Flow(Protocol):
     """A liquid that moves: boundary points in, pressure beyond hydrostatics out.
 
@@ -161,8 +181,11 @@ class Flow(Protocol):
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed)."""
 
-    def added_mass(self) -> Array:
-        """Rows (r, p, 3) [kg^(1/2)] on the interface's points with M_a = B^T B, at the start."""
+    def added_mass(self, points: Array) -> AddedMass:
+        """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m].
+
+        At the step's end, since that is where a solver takes its fluxes and pressures.
+        """
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from coupling.foam.added_mass import added_mass_rows, wall_distance
+from coupling.foam.added_mass import added_mass, wall_distance
 from coupling.foam.geometry import (
     CellGeometry,
     cell_geometry,
@@ -26,9 +26,8 @@ from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.interface import swept_gradient
-from coupling.ports import AnyArray, Array, FlowSample, Ints, RunFailed
+from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed
 
-REFRESH = 0.02  # displacement over R after which the added mass is out of date
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
 
 
@@ -58,7 +57,6 @@ class OpenFoamFlow:
         self._elastic = ElasticMesh(mesh, radius)
         self.time = 0.0
         self._kept: set[float] = {0.0}
-        self._rows: tuple[Array, Array] | None = None  # of the added mass, and where it was made
 
     @property
     def moulded_face_centres(self) -> Array:
@@ -150,9 +148,7 @@ class OpenFoamFlow:
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
         moment = f"t = {self.time + self.dt:.6g} s"
-        if self._base is None:
-            self._base = self._relaxed(self._all_points, self._outline(points), moment)
-        all_points = self._elastic.follow(self._base, self._outline(points))
+        all_points = self._meshed(points, moment)
         swept = swept_volumes(self._all_points[self._boundary], all_points[self._boundary])
         self._swept_now = swept[: self.mesh.diaphragm_faces]
         missed = abs(swept.sum()) / self.volume
@@ -188,18 +184,17 @@ class OpenFoamFlow:
             self._pressure[self.mesh.owner[patch]] - self.density * distance * rate / area
         )
 
-    def added_mass(self) -> Array:
-        """Rows (r, p, 3) [kg^(1/2)] of the liquid's added mass, at the committed shape or near it.
+    def added_mass(self, points: Array) -> AddedMass:
+        """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
+        moment = f"t = {self.time + self.dt:.6g} s"
+        geometry = self._checked_geometry(self._meshed(points, moment), moment)
+        return added_mass(self.mesh, geometry, points, self.density)
 
-        They are made anew when a point of the interface has moved by ``REFRESH`` radii since.
-        """
-        if self._rows is None or self._moved(self._rows[1]) > REFRESH * self.radius:
-            rows = added_mass_rows(self.mesh, self._geometry, self.points, self.density)
-            self._rows = (rows, self.points)
-        return self._rows[0]
-
-    def _moved(self, since: Array) -> float:
-        return float(np.linalg.norm(self.points - since, axis=1).max())
+    def _meshed(self, points: Array, moment: str) -> Array:
+        """The mesh (P, 3) of the step's end at ``points`` (p, 3), linear in it within the step."""
+        if self._base is None:
+            self._base = self._relaxed(self._all_points, self._outline(points), moment)
+        return self._elastic.follow(self._base, self._outline(points))
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
@@ -251,7 +246,6 @@ class OpenFoamFlow:
     def save(self) -> dict[str, AnyArray]:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
         self._kept.add(self.time)
-        self._rows = None  # made anew here as after a resume
         saved: dict[str, AnyArray] = {
             "time": np.array([self.time, self.steps]),
             "initial": self._initial,

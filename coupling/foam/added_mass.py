@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from coupling.foam.geometry import CellGeometry
 from coupling.foam.mesh import LiquidMesh
 from coupling.interface import swept_gradient
-from coupling.ports import Array, Ints
+from coupling.ports import AddedMass, Array, Ints
 
 
 def wall_distance(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
@@ -79,10 +79,8 @@ def _sparse(rows: Ints, columns: Ints, values: Array | float, shape: tuple[int, 
     return csc_array(coo_array((data, (rows, columns)), shape=shape))
 
 
-def added_mass_rows(
-    mesh: LiquidMesh, geometry: CellGeometry, patch: Array, density: float
-) -> Array:
-    """Rows B (r, p, 3) [kg^(1/2)] with M_a = B^T B on the diaphragm's points ``patch`` (p, 3).
+def added_mass(mesh: LiquidMesh, geometry: CellGeometry, patch: Array, density: float) -> AddedMass:
+    """The liquid's inertia on the diaphragm's points ``patch`` (p, 3), where the cells are.
 
     Means over the interface are removed on both sides: a uniform pressure is the volume
     constraint's business. ``density`` [kg/m^3]. Exact factor of the discrete operator to rounding.
@@ -96,4 +94,4 @@ def added_mass_rows(
     gradient = swept_gradient(patch[mesh.patch_faces])  # (F, 4, 3)
     flux = np.zeros((len(area), len(patch), 3))
     np.add.at(flux, (np.arange(len(area))[:, None], mesh.patch_faces), gradient)
-    return np.tensordot(factor, flux, axes=1)
+    return AddedMass(rows=np.tensordot(factor, flux, axes=1), factor=factor)

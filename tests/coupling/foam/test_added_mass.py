@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from coupling.foam.added_mass import added_mass_rows, neumann_trace, wall_distance
+from coupling.foam.added_mass import added_mass, neumann_trace, wall_distance
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
 from coupling.interface import swept_gradient
@@ -30,7 +30,7 @@ def test_trace_is_symmetric_and_positive_on_closed_fluxes(level):
 
 def test_rows_factor_the_operator(level):
     mesh, geometry, patch = level
-    rows = added_mass_rows(mesh, geometry, patch, DENSITY)
+    rows = added_mass(mesh, geometry, patch, DENSITY).rows
     faces = mesh.patch_faces
     flux = np.zeros((len(faces), *patch.shape))
     np.add.at(flux, (np.arange(len(faces))[:, None], faces), swept_gradient(patch[faces]))
@@ -47,7 +47,7 @@ def test_rows_factor_the_operator(level):
 def test_uniform_lift_has_no_added_mass(level):
     # It is the volume constraint's business: a mean pressure is removed, and a net flux too.
     mesh, geometry, patch = level
-    rows = added_mass_rows(mesh, geometry, patch, DENSITY)
+    rows = added_mass(mesh, geometry, patch, DENSITY).rows
     lift = np.zeros_like(patch)
     lift[:, 2] = 1.0
     tilt = lift * patch[:, :1]

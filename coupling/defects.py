@@ -1,0 +1,56 @@
+"""What the flow's pressure leaves beyond its added mass, carried forward from former steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from coupling.ports import Array
+
+# Weights of former defects, newest first: constant, to the middle of the step, linear, quadratic.
+EXTRAPOLATIONS = ((1.0,), (1.5, -0.5), (2.0, -1.0), (3.0, -3.0, 1.0))
+_KEPT = 4  # defects: three to extrapolate from, and the one that says how well it went
+
+
+class Defects:
+    """Pressures p + M_a a (F,) [Pa] on the interface's faces, of the last steps.
+
+    As pressures on faces, which turn with the diaphragm, they change less than nodal forces, and
+    never pull an almost massless sheet along itself. How smooth they are depends on the moment:
+    the order of extrapolation is the one that would have served the last step best.
+    """
+
+    def __init__(self) -> None:
+        self._past: list[Array] = []  # newest first
+
+    def add(self, defect: Array) -> None:
+        """Append that of the step just accepted (F,) [Pa]."""
+        self._past = [defect, *self._past][:_KEPT]
+
+    def next(self, faces: int) -> Array:
+        """The coming step's (F,) [Pa], zero before the first."""
+        if not self._past:
+            return np.zeros(faces)
+        known = [weights for weights in EXTRAPOLATIONS if len(weights) < len(self._past)]
+        newest, before = self._past[0], self._past[1:]
+        best = min(known, key=lambda w: _distance(_combined(w, before), newest), default=(1.0,))
+        return _combined(best, self._past)
+
+    def save(self) -> dict[str, Array]:
+        """The defects by ``defect0``, ``defect1`` ..."""
+        return {f"defect{number}": defect for number, defect in enumerate(self._past)}
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``; other entries are let be."""
+        count = sum(name.startswith("defect") for name in saved)
+        self._past = [saved[f"defect{number}"] for number in range(count)]
+
+
+def _combined(weights: tuple[float, ...], past: list[Array]) -> Array:
+    terms = [w * defect for w, defect in zip(weights, past, strict=False)]
+    return np.asarray(np.sum(terms, axis=0))
+
+
+def _distance(one: Array, other: Array) -> float:
+    return float(np.linalg.norm(one - other))
