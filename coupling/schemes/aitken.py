@@ -1,0 +1,46 @@
+"""Fixed point with Aitken's dynamic relaxation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from coupling.ports import Array
+from coupling.schemes.fixed_point import FixedPoint
+
+
+class Aitken(FixedPoint):
+    """Dynamic relaxation (Irons & Tuck, IJNME 1, 1969; Kuettler & Wall, Comput. Mech. 43, 2008).
+
+    omega_k+1 = -omega_k r_k . (r_k+1 - r_k) / |r_k+1 - r_k|^2. A step's first omega is the last
+    step's, no larger than ``relaxation``.
+    """
+
+    def __init__(self, relaxation: float) -> None:
+        super().__init__(relaxation)
+        self._omega = relaxation
+        self._previous: Array | None = None
+
+    def begin_step(self) -> None:
+        """Forget the residual; bound the relaxation as the papers do."""
+        self._previous = None
+        self._omega = float(np.sign(self._omega)) * min(abs(self._omega), self.relaxation)
+
+    def update(self, x: Array, residual: Array) -> Array:
+        """The next x (k,) from x (k,) and its residual (k,)."""
+        if self._previous is not None:
+            change = residual - self._previous
+            length = float(change @ change)
+            if length > 0:
+                self._omega *= -float(self._previous @ change) / length
+        self._previous = residual
+        return x + self._omega * residual
+
+    def save(self) -> dict[str, Array]:
+        """The relaxation that the next step starts with."""
+        return {"omega": np.array([self._omega])}
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+        self._omega = float(saved["omega"][0])
