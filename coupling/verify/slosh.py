@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from contextlib import closing
 from pathlib import Path
 from time import perf_counter
 
@@ -119,8 +120,8 @@ def _release(
 ) -> tuple[Array, Array]:
     """Times (T,) [s] and the first moment of the heights (T,) after the release from rest."""
     flow = OpenFoamFlow(
-        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
-        viscosity=1e-6, timeout=120.0,
+        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True),
+        radius=RADIUS, density=DENSITY, viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     level_patch, shell, path = level_shape(flow.mesh, level - 1.0)
     surface = FreeSurface(
@@ -128,11 +129,12 @@ def _release(
     )
     shape = _mode_shape(level_patch[:, :2], mode)
     surface.displace(AMPLITUDE * RADIUS * shape)
-    flow.start(surface.state.position, shell, np.pi * RADIUS**3 * level**2 * (3 - level) / 3)
-    return coupled_release(
-        surface, flow, shape,
-        step=step, duration=PERIODS * 2 * np.pi / omega, acceleration=GRAVITY * AMPLITUDE,
-    )  # fmt: skip
+    with closing(flow):
+        flow.start(surface.state.position, shell, np.pi * RADIUS**3 * level**2 * (3 - level) / 3)
+        return coupled_release(
+            surface, flow, shape,
+            step=step, duration=PERIODS * 2 * np.pi / omega, acceleration=GRAVITY * AMPLITUDE,
+        )  # fmt: skip
 
 
 def level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
