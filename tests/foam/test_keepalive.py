@@ -326,3 +326,20 @@ def test_broken_solver_is_told(flow_of, alive, tmp_path):
     flow.begin_step(0.0, STEP)
     with pytest.raises(OpenFoamFailed, match=r"exit status 127(.|\n)*symbol lookup error"):
         flow.solve(moved(flow, 2e-3))
+
+
+def test_run_on_several_processors_is_refused_before_it_starts(edt, scene, tmp_path):
+    for verb in ("run", "check"):
+        folder = ("-o", tmp_path / "run") if verb == "run" else ()
+        done = edt(verb, scene, *folder, "--set", "openfoam.processors=2",
+                   "--set", "openfoam.keep_alive=false")  # fmt: skip
+        assert done.returncode == 2
+        assert "openfoam.processors" in done.stderr
+        assert "edt build-solver" in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def test_command_builds_it_once_and_tells_where_it_is(edt, alive):
+    done = edt("build-solver")
+    assert (done.returncode, done.stdout.strip()) == (0, str(alive.keep_alive))
+    assert str(alive.keep_alive) in edt("info", "--json").stdout
