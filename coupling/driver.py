@@ -17,17 +17,26 @@ from coupling.atomic import write_json
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
 from coupling.iteration_log import IterationLog
-from coupling.liquid import flow_of, load_model, start_flow
+from coupling.liquid import flow_of, load_model, potential_of, start_flow
 from coupling.mapping import MovingLeastSquares
 from coupling.metrics.summary import summarise
 from coupling.motion import motion_of
-from coupling.ports import AnyArray, FlowSample, HydrostaticLoad, RunFailed, RunStatistics, Sample
+from coupling.ports import (
+    AnyArray,
+    FlowSample,
+    HydrostaticLoad,
+    LiquidSample,
+    RunFailed,
+    RunStatistics,
+    Sample,
+)
+from coupling.potential_step import PotentialStep
 from coupling.results import ResultsWriter, read_results
-from coupling.sampling import flow_metrics, sample_at
+from coupling.sampling import flow_metrics, liquid_metrics, sample_at
 from coupling.scene import Scene, load_scene, scene_toml, write_scene
 from coupling.schemes import scheme_named
 from coupling.strength import burst_warning
-from coupling.structure import advance, diaphragm_of, settle_diaphragm
+from coupling.structure import DryStep, advance, diaphragm_of, settle_diaphragm
 from coupling.tally import Tally
 
 Progress = Callable[[str, float, float, str], None]
@@ -64,7 +73,7 @@ class _Run:
         self.cloth = diaphragm_of(scene)
         self.tally = Tally(scene, self.cloth.thickness)
         self.burst = burst_warning(scene)
-        self.coupled: CoupledStep | None = None
+        self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
         self.clock = perf_counter()
 
     def from_start(self) -> dict[str, Any]:
@@ -85,7 +94,7 @@ class _Run:
         self.tally.seconds("structure", clock)
         self.progress("settle", self.scene.time.settle, self.scene.time.settle, "settled")
         self._couple()
-        if self.coupled is not None:
+        if isinstance(self.step, CoupledStep):
             clock = perf_counter()
             start_flow(self.flow, self.mapping, self.scene, self.cloth)
             self.tally.seconds("fluid", clock)
@@ -108,18 +117,23 @@ class _Run:
             self.cloth.held = self.scene.diaphragm.held
             self._couple()
             self.cloth.restore(parts["structure"])
-            if self.coupled is not None:
+            if isinstance(self.step, CoupledStep):
                 self.flow.restore(parts["flow"])
-                self.coupled.scheme.restore(parts.get("scheme", {}))
-                self.coupled.restore(parts.get("coupled", {}))
+                self.step.scheme.restore(parts.get("scheme", {}))
+            if not isinstance(self.step, DryStep):
+                self.step.restore(parts.get("coupled", {}))
             self._loop(step)
 
         return self._guarded(begin)
 
     def _couple(self) -> None:
-        """Build the flow and the coupling for the settled diaphragm, where the model has a flow."""
+        """Build the liquid and the coupling for the settled diaphragm, where the liquid moves."""
         self.settled = self.cloth.save()
         scene = self.scene
+        if scene.model.fluid == "potential":
+            self.step = PotentialStep(
+                self.cloth, potential_of(scene, self.cloth), radius=scene.tank.radius
+            )
         if scene.model.fluid != "openfoam":
             return
         self.flow, self.mapping = flow_of(scene, self.folder / "foam", self.cloth)
@@ -134,7 +148,7 @@ class _Run:
             scene.coupling.scheme, relaxation=scene.coupling.relaxation, reuse=scene.coupling.reuse
         )
         floor = float(np.linalg.norm(scene.gravity)) * scene.time.step**2
-        self.coupled = CoupledStep(
+        self.step = CoupledStep(
             self.cloth, self.flow, self.mapping, scheme, added_mass=added_mass,
             convergence=Convergence(tolerance=scene.coupling.tolerance, floor=floor),
             max_iterations=scene.coupling.max_iterations, record=self.iterations.write,
@@ -153,23 +167,35 @@ class _Run:
                 self._save(step + 1)
             self.progress("shake", after, time.duration, self._text(iterations))
 
-    def _advance(self, now: float, after: float) -> tuple[FlowSample | None, int, float]:
+    def _advance(self, now: float, after: float) -> tuple[LiquidSample | None, int, float]:
         """One step; counts what it took. Raises RunFailed when too many did not converge."""
-        dt, tally = self.scene.time.step, self.tally
-        if self.coupled is None:
-            clock = perf_counter()
-            steps = advance(self.cloth, now, dt, self._load)
-            tally.seconds("structure", clock)
-            state = self.cloth.state
-            tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
-            tally.structure(after, state, converged=self.cloth.converged, steps=steps)
+        if isinstance(self.step, CoupledStep):
+            return self._advance_coupled(self.step, now, after)
+        dt, tally, step = self.scene.time.step, self.tally, self.step
+        clock = perf_counter()
+        parts = advance(step, now, dt, self._load)
+        tally.seconds("structure", clock)
+        state = self.cloth.state
+        tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
+        tally.structure(after, state, converged=self.cloth.converged, steps=parts)
+        if isinstance(step, DryStep):
             return None, 1, 0.0
-        outcome = self.coupled.advance(now, dt, self._load(after))
-        for part, seconds in self.coupled.wall.items():
-            tally.statistics.wall_by_part[part] += seconds
-            self.coupled.wall[part] = 0.0
-        tally.coupling(after, outcome)
-        tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=1)
+        sample, shapes, residual = step.told()
+        tally.statistics.wall_by_part["structure"] -= step.wall
+        tally.statistics.wall_by_part["fluid"] += step.wall
+        step.wall = 0.0
+        tally.liquid(sample, shapes)
+        return sample, shapes, residual
+
+    def _advance_coupled(
+        self, step: CoupledStep, now: float, after: float
+    ) -> tuple[FlowSample, int, float]:
+        outcome = step.advance(now, self.scene.time.step, self._load(after))
+        for part, seconds in step.wall.items():
+            self.tally.statistics.wall_by_part[part] += seconds
+            step.wall[part] = 0.0
+        self.tally.coupling(after, outcome)
+        self.tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=1)
         return outcome.sample, outcome.iterations, outcome.residual
 
     def _load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:
@@ -177,24 +203,28 @@ class _Run:
         return self.model.load(np.asarray(self.scene.gravity) - shaking)
 
     def _sample(
-        self, time: float, flow: FlowSample | None, iterations: int, residual: float
+        self, time: float, liquid: LiquidSample | None, iterations: int, residual: float
     ) -> Sample:
         state = self.cloth.state
-        dynamic = np.zeros(len(state.position))
-        if flow is not None:
-            dynamic = self.to_nodes.weights @ flow.face_pressure
-        metrics = {}
-        if self.coupled is not None:
-            metrics = flow_metrics(flow, self.flow.non_orthogonality_max)
+        dynamic, metrics = np.zeros(len(state.position)), {}
+        if isinstance(self.step, PotentialStep):
+            metrics = liquid_metrics(liquid)
+            if liquid is not None:
+                dynamic = self.step.liquid.to_nodes(state.position) @ liquid.face_pressure
+        elif isinstance(self.step, CoupledStep):
+            assert liquid is None or isinstance(liquid, FlowSample)
+            metrics = flow_metrics(liquid, self.flow.non_orthogonality_max)
+            if liquid is not None:
+                dynamic = self.to_nodes.weights @ liquid.face_pressure
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
             load=self._load(time, at_rest=time == 0.0), gravity=np.asarray(self.scene.gravity),
-            displacement=self.motion.displacement(time), flow=flow, dynamic_pressure=dynamic,
+            displacement=self.motion.displacement(time), flow=liquid, dynamic_pressure=dynamic,
             iterations=iterations, residual=residual, metrics=metrics,
         )  # fmt: skip
 
     def _text(self, iterations: int) -> str:
-        if self.coupled is None:
+        if isinstance(self.step, DryStep):
             return ""
         mean = self.tally.statistics.iterations_total / max(self.tally.statistics.steps, 1)
         text = f"{iterations} iteration{'s'[: iterations > 1]}, mean {mean:.1f}"
@@ -214,10 +244,11 @@ class _Run:
         parts: dict[str, dict[str, AnyArray]] = {
             "settled": self.settled, "structure": self.cloth.save(),
         }  # fmt: skip
-        if self.coupled is not None:
+        if isinstance(self.step, CoupledStep):
             parts["flow"] = self.flow.save()
-            parts["scheme"] = self.coupled.scheme.save()
-            parts["coupled"] = self.coupled.save()
+            parts["scheme"] = self.step.scheme.save()
+        if not isinstance(self.step, DryStep):
+            parts["coupled"] = self.step.save()
         self.tally.seconds("output", clock)
         self.tally.statistics.wall_s = perf_counter() - self.clock
         attributes = {"step": step, "statistics": self.tally.statistics.to_dict()}
@@ -242,7 +273,7 @@ class _Run:
         except RunFailed as failure:  # a full disk: what was flushed before stays readable
             status, error = "failed", error or str(failure)
         self.iterations.close()
-        if self.coupled is not None:
+        if isinstance(self.step, CoupledStep):
             self.flow.close()
         self.tally.statistics.wall_s = perf_counter() - self.clock
         results = read_results(self.folder)

@@ -11,6 +11,7 @@ import numpy as np
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.potential import PotentialLiquid
 from coupling.foam.geometry import cell_geometry, non_orthogonality
 from coupling.foam.mesh import LiquidMesh, ball, half_ball
 from coupling.foam.process import find_openfoam
@@ -34,6 +35,17 @@ def load_model(scene: Scene) -> LoadModel:
         depth = level_of_fill_fraction(scene.liquid.fill_fraction)  # over R, from the bottom
         return Datum(density=scene.liquid.density, level=(depth - 1.0) * scene.tank.radius)
     return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
+
+
+def potential_of(scene: Scene, cloth: Structure) -> PotentialLiquid:
+    """The inviscid liquid below ``cloth``."""
+    return PotentialLiquid(
+        cloth.triangles,
+        len(cloth.reference),
+        radius=scene.tank.radius,
+        degree=scene.potential.degree,
+        density=scene.liquid.density,
+    )
 
 
 def flow_of(

@@ -119,15 +119,13 @@ class Structure(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlowSample:
-    """What a flow says of a step, once accepted.
+class LiquidSample:
+    """What a moving liquid says of a step, once accepted.
 
     ``face_pressure`` (F,) [Pa]: p* on the faces of the diaphragm, area mean removed;
     ``wall_pressure_force`` and ``wall_pressure_moment`` (3,) [N, N m]: of p* on all walls, about
     the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] as in the Bernoulli
-    ratios; ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
-    ``liquid_cg`` (3,) [m] of the flow's mesh; ``continuity_error``: what the solver's own fluxes
-    miss, over the cells' volumes; ``non_orthogonality_max`` [deg].
+    ratios; ``kinetic_energy`` [J] in the tank's frame.
     """
 
     face_pressure: Array
@@ -135,6 +133,18 @@ class FlowSample:
     wall_pressure_moment: Array
     speed_max: float
     dphi_dt_max: float
+    kinetic_energy: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlowSample(LiquidSample):
+    """The same of a liquid on a mesh.
+
+    ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
+    ``liquid_cg`` (3,) [m] of the flow's mesh; ``continuity_error``: what the solver's own fluxes
+    miss, over the cells' volumes; ``non_orthogonality_max`` [deg].
+    """
+
     volume: float
     volume_error: float
     liquid_cg: Array

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.ports import Array, DiaphragmState, FlowSample, HydrostaticLoad, Ints, Sample
+from coupling.ports import (
+    Array,
+    DiaphragmState,
+    FlowSample,
+    HydrostaticLoad,
+    Ints,
+    LiquidSample,
+    Sample,
+)
 from coupling.structure import liquid_cg
 
-FLOW_METRICS = (
-    "speed_max",
-    "dphi_dt_max",
-    "non_orthogonality_max",
-    "volume_error",
-    "continuity_error",
-)
+LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy")
+MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error")
 
 
 def sample_at(
@@ -25,7 +28,7 @@ def sample_at(
     load: HydrostaticLoad,
     gravity: Array,
     displacement: Array,
-    flow: FlowSample | None,
+    flow: LiquidSample | None,
     dynamic_pressure: Array,
     iterations: int,
     residual: float,
@@ -69,5 +72,16 @@ def sample_at(
 def flow_metrics(flow: FlowSample | None, non_orthogonality: float) -> dict[str, float]:
     """The flow's scalars for a sample; at the start the liquid is at rest and has only its mesh."""
     if flow is None:
-        return dict.fromkeys(FLOW_METRICS, 0.0) | {"non_orthogonality_max": non_orthogonality}
-    return {name: float(getattr(flow, name)) for name in FLOW_METRICS}
+        return liquid_metrics(None) | {
+            "non_orthogonality_max": non_orthogonality,
+            "volume_error": 0.0,
+            "continuity_error": 0.0,
+        }
+    return liquid_metrics(flow) | {name: float(getattr(flow, name)) for name in MESH_METRICS}
+
+
+def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
+    """A moving liquid's scalars for a sample; at the start it is at rest."""
+    if liquid is None:
+        return dict.fromkeys(LIQUID_METRICS, 0.0)
+    return {name: float(getattr(liquid, name)) for name in LIQUID_METRICS}

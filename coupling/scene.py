@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError
 
 from coupling.scene_checks import problems_between
 from coupling.scene_errors import SceneError, problems_of
-from coupling.scene_numerics import Cloth, Coupling, OpenFoam, Time
+from coupling.scene_numerics import Cloth, Coupling, OpenFoam, Potential, Time
 from coupling.scene_sections import Diaphragm, Liquid, Model, Motion, Section, Tank, Vector
 from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_file
 
@@ -52,6 +52,7 @@ class Scene(Section):
     motion: Motion = Motion()
     model: Model = Model()
     cloth: Cloth = Cloth()
+    potential: Potential = Potential()
     openfoam: OpenFoam = OpenFoam()
     coupling: Coupling = Coupling()
     time: Time

@@ -69,6 +69,14 @@ class Cloth(Section):
         return self.resolution / 2.0 if self.grid == "thesis" else self.resolution
 
 
+class Potential(Section):
+    """The inviscid liquid's unknowns; read only when ``model.fluid`` is ``potential``."""
+
+    degree: int = Field(
+        default=6, ge=2, le=14, description="degree of the potential's harmonic polynomials"
+    )
+
+
 class OpenFoam(Section):
     """The flow solver and its mesh; read only when ``model.fluid`` is ``openfoam``."""
 

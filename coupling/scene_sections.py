@@ -233,6 +233,7 @@ class Motion(Section):
 class Model(Section):
     """Which liquid the diaphragm feels."""
 
-    fluid: Literal["datum", "hydrostatic", "openfoam"] = Field(
-        default="openfoam", description='fluid model: "datum", "hydrostatic" or "openfoam"'
+    fluid: Literal["datum", "hydrostatic", "potential", "openfoam"] = Field(
+        default="openfoam",
+        description='fluid model: "datum", "hydrostatic", "potential" or "openfoam"',
     )

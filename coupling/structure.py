@@ -112,34 +112,58 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> N
     cloth.held = scene.diaphragm.held
 
 
+class Step(Protocol):
+    """A time step that can be tried with a shorter ``dt`` if it fails."""
+
+    def attempt(self, dt: float, load: HydrostaticLoad) -> bool:
+        """Solve a step of ``dt`` [s]; whether it converged. Raises ArithmeticError."""
+
+    def accept(self) -> None:
+        """Commit the last attempt."""
+
+
+class DryStep:
+    """The step of a diaphragm under a hydrostatic load alone."""
+
+    def __init__(self, cloth: Diaphragm) -> None:
+        self.cloth = cloth
+
+    def attempt(self, dt: float, load: HydrostaticLoad) -> bool:
+        """See ``Step``."""
+        self.cloth.begin_step(dt, load)
+        self.cloth.solve(np.zeros_like(self.cloth.reference))
+        return self.cloth.converged
+
+    def accept(self) -> None:
+        """See ``Step``."""
+        self.cloth.accept_step()
+
+
 def advance(
-    cloth: Diaphragm,
+    step: Step,
     now: float,
     dt: float,
     load: Callable[[float], HydrostaticLoad],
     *,
     halvings: int = HALVINGS,
 ) -> int:
-    """Take ``cloth`` from ``now`` to ``now + dt`` [s] under ``load(time)`` alone; steps it took.
+    """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(time)``; parts that it took.
 
     A step that does not converge is taken again as two of half its length, ``halvings`` times at
-    most; the last is accepted as it is (``cloth.converged`` says how), unless it diverges.
-    Raises ArithmeticError then.
+    most; the last is accepted as it is, unless it diverges. Raises ArithmeticError then.
     """
-    cloth.begin_step(dt, load(now + dt))
     try:
-        cloth.solve(np.zeros_like(cloth.reference))
-        good = cloth.converged or halvings == 0
+        good = step.attempt(dt, load(now + dt)) or halvings == 0
     except ArithmeticError:
         if halvings == 0:
             raise
         good = False
     if good:
-        cloth.accept_step()
+        step.accept()
         return 1
     half = 0.5 * dt
-    first = advance(cloth, now, half, load, halvings=halvings - 1)
-    return first + advance(cloth, now + half, half, load, halvings=halvings - 1)
+    first = advance(step, now, half, load, halvings=halvings - 1)
+    return first + advance(step, now + half, half, load, halvings=halvings - 1)
 
 
 def liquid_cg(position: Array, triangles: Ints, radius: float, volume: float) -> Array:

@@ -6,7 +6,7 @@ import logging
 from time import perf_counter
 
 from coupling.coupled_step import StepOutcome
-from coupling.ports import Array, DiaphragmState, RunFailed, RunStatistics
+from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed, RunStatistics
 from coupling.scene import Scene
 
 _log = logging.getLogger(__name__)
@@ -47,19 +47,23 @@ class Tally:
         """Relative ``error`` of the liquid's volume after a step."""
         self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
 
+    def liquid(self, sample: LiquidSample, iterations: int) -> None:
+        """A moving liquid's end of a step, which took ``iterations``."""
+        statistics = self.statistics
+        statistics.iterations_total += iterations
+        statistics.iterations_max = max(statistics.iterations_max, iterations)
+        statistics.speed_max = max(statistics.speed_max or 0.0, sample.speed_max)
+        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, sample.dphi_dt_max)
+
     def coupling(self, time: float, outcome: StepOutcome) -> None:
         """A coupled step; raises ``RunFailed`` when too many did not converge."""
-        statistics, flow, coupling = self.statistics, outcome.sample, self.scene.coupling
-        statistics.iterations_total += outcome.iterations
-        statistics.iterations_max = max(statistics.iterations_max, outcome.iterations)
-        statistics.speed_max = max(statistics.speed_max or 0.0, flow.speed_max)
-        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, flow.dphi_dt_max)
-        self.volume(flow.volume_error)
+        self.liquid(outcome.sample, outcome.iterations)
+        self.volume(outcome.sample.volume_error)
         if not outcome.converged:
             self._unconverged(
                 f"t = {time:.6g} s: the coupling left a relative residual of "
                 f"{outcome.residual:.1e} after {outcome.iterations} iterations (tolerance "
-                f"{coupling.tolerance:g}).",
+                f"{self.scene.coupling.tolerance:g}).",
                 "Halve time.step, raise coupling.max_iterations, or take coupling.scheme = "
                 "'added-mass'.",
             )

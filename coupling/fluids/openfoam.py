@@ -224,6 +224,7 @@ class OpenFoamFlow:
             wall_pressure_moment=np.cross(geometry.face_centre[boundary], force).sum(axis=0),
             speed_max=float(speed.max()),
             dphi_dt_max=float(np.abs(rate).max()),
+            kinetic_energy=0.5 * self.density * float(geometry.volume @ speed**2),
             volume=volume,
             volume_error=abs(self._excess(self.points)) / self.volume,
             liquid_cg=geometry.volume @ geometry.centre / volume,

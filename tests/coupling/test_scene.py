@@ -224,7 +224,10 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("diaphragm.thickness=0.03", "must be below 0.05 radii (0.02223 m), got 0.03"),
         ("diaphragm.material=teflon", '"teflon" is not a built-in elastomer'),
         ("liquid.name=mercury", '"mercury" is not a built-in liquid. Use one of water, hydrazine'),
-        ("model.fluid=potential", 'one of "datum", "hydrostatic", "openfoam", got "potential"'),
+        (
+            "model.fluid=potentiel",
+            'one of "datum", "hydrostatic", "potential", "openfoam", got "potentiel"',
+        ),
         ("model.fluid=openfom", "Did you mean openfoam?"),
         ("openfoam.processors=0", "must lie in [1, 256], got 0"),
         ("openfoam.keep_alive=1", "must be true or false, got 1"),
