@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from contextlib import closing
 from pathlib import Path
 from time import perf_counter
 
@@ -68,9 +69,14 @@ def momentum(
 def _shaken(folder: Path, step: float, cells: int) -> tuple[Array, Array, Array, float]:
     """Force of p* [N], centre of gravity [m] and sum rho V U [N s], (T, 3) each; mass [kg]."""
     flow = OpenFoamFlow(
-        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
-        viscosity=1e-6, timeout=120.0,
+        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True),
+        radius=RADIUS, density=DENSITY, viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
+    with closing(flow):
+        return _recorded(flow, step)
+
+
+def _recorded(flow: OpenFoamFlow, step: float) -> tuple[Array, Array, Array, float]:
     patch, shell, path = level_shape(flow.mesh, 0.0)
     surface = FreeSurface(patch, flow.faces, path, mass=1e-3, density=DENSITY, gravity=GRAVITY)
     flow.start(patch, shell, 2 * np.pi * RADIUS**3 / 3)
