@@ -7,10 +7,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 
+import numpy as np
+
 from coupling.convergence import Convergence
 from coupling.defects import Defects
 from coupling.interface import pressure_force
-from coupling.mapping import Matching, MovingLeastSquares
+from coupling.mapping import InterfaceMap
 from coupling.ports import (
     AddedMass,
     Array,
@@ -49,7 +51,7 @@ class CoupledStep:
         self,
         structure: Structure,
         flow: Flow,
-        mapping: MovingLeastSquares | Matching,
+        mapping: InterfaceMap,
         scheme: Scheme,
         *,
         added_mass: bool,
@@ -65,12 +67,12 @@ class CoupledStep:
         self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
         self._defects = Defects()
         self._inertia: AddedMass | None = None  # of this step, or the one before
-        self._previous: Array | None = None  # the flow's points one step ago
+        self._beside = np.zeros(len(flow.faces))  # pressure on them of the last step [Pa]
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
-        start = self.flow.points
         x = self._begin(time, dt, load)
+        start = self._start
         residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
             clock = perf_counter()
@@ -95,7 +97,7 @@ class CoupledStep:
                 x = self.flow.close_volume(update)
         if self._inertia is not None:
             self._defects.add(pressure + self._inertia.pressure(acceleration))
-        self._previous = start
+        self._beside = pressure
         self.scheme.accept_step()
         self.structure.accept_step()
         return StepOutcome(
@@ -108,9 +110,16 @@ class CoupledStep:
     def _begin(self, time: float, dt: float, load: HydrostaticLoad) -> Array:
         """Open the step on both sides; the predicted interface (p, 3)."""
         self.scheme.begin_step()
-        self.flow.begin_step(time, dt)
-        before = self.flow.points if self._previous is None else self._previous
-        ahead = 2 * self.flow.points - before
+        state = self.structure.state
+        with self._timed("mapping"):
+            shell = self.mapping.begin_step(state, dt)
+            self.flow.begin_step(time, dt, shell)
+            self._start = self.flow.points
+            if shell is not None:  # the map has moved
+                self._start = self.flow.close_volume(self.mapping.to_flow(state.position))
+                self.flow.slide(self._start)
+            self._held = self.mapping.beside(self._beside)
+            ahead = self.mapping.to_flow(state.position + dt * state.velocity)
         if not self.added_mass:
             self._begin_structure(dt, load)
             return self.flow.close_volume(ahead)
@@ -140,7 +149,7 @@ class CoupledStep:
     def _structure_answer(self, force: Array) -> Array:
         """The interface (p, 3) that ``force`` (p, 3) [N] on it leads to, its volume closed."""
         with self._timed("structure"):
-            nodes = self.structure.solve(self.mapping.to_cloth(force))
+            nodes = self.structure.solve(self.mapping.to_cloth(force) + self._held)
         with self._timed("mapping"):
             return self.flow.close_volume(self.mapping.to_flow(nodes))
 
@@ -155,16 +164,16 @@ class CoupledStep:
         saved = self._defects.save()
         if self._inertia is not None:
             saved |= {"rows": self._inertia.rows, "factor": self._inertia.factor}
-        if self._previous is not None:
-            saved["previous"] = self._previous
-        return saved
+        saved["beside"] = self._beside
+        return saved | self.mapping.save()
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
         self._defects.restore(saved)
         if "rows" in saved:
             self._inertia = AddedMass(rows=saved["rows"], factor=saved["factor"])
-        self._previous = saved.get("previous")
+        self._beside = saved["beside"]
+        self.mapping.restore(saved)
 
 
 @contextmanager

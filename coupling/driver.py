@@ -18,7 +18,6 @@ from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
 from coupling.iteration_log import IterationLog
 from coupling.liquid import flow_of, load_model, potential_of, start_flow
-from coupling.mapping import MovingLeastSquares
 from coupling.metrics.summary import summarise
 from coupling.motion import motion_of
 from coupling.ports import (
@@ -139,11 +138,6 @@ class _Run:
         self.flow, self.mapping = flow_of(scene, self.folder / "foam", self.cloth)
         self.tally.statistics.flow_solver = self.flow.case.solver
         _log.info("flow solver: %s", self.flow.case.solver)
-        centres = self.flow.moulded_face_centres
-        none = np.zeros(len(self.cloth.reference), dtype=bool)
-        self.to_nodes = MovingLeastSquares(
-            centres, self.cloth.reference, source_rim=np.zeros(len(centres), bool), target_rim=none
-        )
         scheme, added_mass = scheme_named(
             scene.coupling.scheme, relaxation=scene.coupling.relaxation, reuse=scene.coupling.reuse
         )
@@ -215,7 +209,7 @@ class _Run:
             assert liquid is None or isinstance(liquid, FlowSample)
             metrics = flow_metrics(liquid, self.flow.non_orthogonality_max)
             if liquid is not None:
-                dynamic = self.to_nodes.weights @ liquid.face_pressure
+                dynamic = self.mapping.to_nodes(liquid.face_pressure)
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
             load=self._load(time, at_rest=time == 0.0), gravity=np.asarray(self.scene.gravity),

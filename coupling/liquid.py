@@ -6,17 +6,14 @@ from pathlib import Path
 from typing import Protocol
 
 import meshio
-import numpy as np
 
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.fluids.potential import PotentialLiquid
-from coupling.foam.geometry import cell_geometry, non_orthogonality
-from coupling.foam.mesh import LiquidMesh, ball, half_ball
+from coupling.foam.mesh import half_ball
 from coupling.foam.process import find_openfoam
-from coupling.foam.smoothing import ElasticMesh, MeshFolds
-from coupling.mapping import MovingLeastSquares
+from coupling.free_patch import FreePatch
 from coupling.numbers import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad, Structure
 from coupling.scene import Scene
@@ -48,35 +45,15 @@ def potential_of(scene: Scene, cloth: Structure) -> PotentialLiquid:
     )
 
 
-def flow_of(
-    scene: Scene, folder: Path, cloth: Structure
-) -> tuple[OpenFoamFlow, MovingLeastSquares]:
-    """The flow below the settled ``cloth``, not yet started, and its map to the cloth.
-
-    Of the mesh's two topologies the one that is less skewed below the settled diaphragm is taken.
-    """
-    radius = scene.tank.radius
-    found = []
-    for topology in (ball, half_ball):
-        mesh = topology(scene.openfoam.cells)
-        mapping = MovingLeastSquares(
-            cloth.reference,
-            radius * mesh.moulded,
-            source_rim=cloth.fixed,
-            target_rim=mesh.rim,
-        )
-        found.append(
-            (_skewness(mesh, radius, mapping.to_flow(cloth.state.position)), mesh, mapping)
-        )
-    _, mesh, mapping = min(found, key=lambda entry: entry[0])
+def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow, FreePatch]:
+    """The flow below the settled ``cloth``, not yet started, and its map to the cloth."""
+    radius, mesh = scene.tank.radius, half_ball(scene.openfoam.cells)
+    mapping = FreePatch(mesh, cloth, radius=radius)
+    mapping.fit(cloth.state, scene.liquid_volume)
     flow = OpenFoamFlow(
         folder,
         mesh,
-        openfoam=find_openfoam(
-            scene.openfoam.command,
-            keep_alive=scene.openfoam.keep_alive,
-            processors=scene.openfoam.processors,
-        ),
+        openfoam=find_openfoam(scene.openfoam.command),
         radius=radius,
         density=scene.liquid.density,
         viscosity=scene.liquid.viscosity,
@@ -85,25 +62,11 @@ def flow_of(
     return flow, mapping
 
 
-def start_flow(
-    flow: OpenFoamFlow, mapping: MovingLeastSquares, scene: Scene, cloth: Structure
-) -> None:
+def start_flow(flow: OpenFoamFlow, mapping: FreePatch, scene: Scene, cloth: Structure) -> None:
     """Put the flow at rest below the settled ``cloth``, whose surface is left beside its mesh."""
-    shell = scene.tank.radius * flow.mesh.points[flow.mesh.shell_points]
+    shell = mapping.begin_step(cloth.state, 0.0)
     flow.start(mapping.to_flow(cloth.state.position), shell, scene.liquid_volume)
     surface = flow.case.folder / "constant" / "triSurface" / "diaphragm.stl"
     surface.parent.mkdir()
     triangles = [("triangle", cloth.triangles)]
     meshio.write(surface, meshio.Mesh(cloth.state.position, triangles), binary=True)
-
-
-def _skewness(mesh: LiquidMesh, radius: float, patch: Array) -> float:
-    """Largest non-orthogonality [deg] below ``patch`` (p, 3); 180 where no mesh is found."""
-    reference = radius * mesh.points
-    outline = reference.copy()
-    outline[mesh.patch_points] = patch
-    try:
-        points = ElasticMesh(mesh, radius).relax(reference, outline, size=1.0)
-    except MeshFolds:
-        return 180.0
-    return float(np.max(non_orthogonality(mesh, cell_geometry(mesh, points))))

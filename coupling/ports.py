@@ -179,11 +179,23 @@ class Flow(Protocol):
     (F, 4), seen counter-clockwise from the gas (outside the liquid).
     """
 
-    points: Array
     faces: Ints
 
-    def begin_step(self, time: float, dt: float) -> None:
-        """Start a step of ``dt`` from the committed fields at ``time`` [s]."""
+    @property
+    def points(self) -> Array:
+        """The interface (p, 3) [m], as committed."""
+
+    def begin_step(self, time: float, dt: float, shell: Array | None) -> None:
+        """Start a step of ``dt`` from the committed fields at ``time`` [s].
+
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
+        """
+
+    def slide(self, points: Array) -> None:
+        """Take ``points`` (p, 3) [m] for where the interface's points, slid along, start the step.
+
+        What they sweep on their way there is no motion of the interface.
+        """
 
     def close_volume(self, points: Array) -> Array:
         """The nearest interface (p, 3) that encloses the liquid's volume exactly."""

@@ -93,9 +93,6 @@ class OpenFoam(Section):
         default=1, ge=1, le=MOST_PROCESSORS, description="number of processes of the flow solver"
     )
     timeout: float = Field(default=120.0, gt=0, description="longest wait for one solver call [s]")
-    clearance: float = Field(
-        default=0.02, gt=0, le=0.2, description="film kept at the wet shell for the mesh, over R"
-    )
 
 
 class Coupling(Section):

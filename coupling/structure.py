@@ -46,8 +46,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
 
     A map's thickness is taken at the centroid of each moulded triangle. ``TableError`` if the map
     has changed since the scene was read and is now wrong.
-    A flow keeps ``openfoam.clearance`` radii of liquid between it and the wet shell. The thesis'
-    own steps are of 1 ms, or of ``time.step`` if that is shorter.
+    The thesis' own steps are of 1 ms, or of ``time.step`` if that is shorter.
     """
     cloth, radius = scene.cloth, scene.tank.radius
     if cloth.grid == "thesis":
@@ -58,7 +57,6 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
             strain=cloth.strain_limit,
             step=min(STEP, scene.time.step),
         )
-    clearance = scene.openfoam.clearance * radius if scene.model.fluid == "openfoam" else 0.0
     stated: dict[str, Any] = {
         "bending_damping": cloth.bending_damping,
         "drag": cloth.drag,
@@ -76,7 +74,6 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         shell_radius=radius,
         strain_limit=cloth.strain_limit,
         elastic=not scene.diaphragm.inextensible,
-        clearance=clearance,
         self_contact=True,
         dry=replace(DRY, **stated),
         wet=replace(WET, **stated),

@@ -13,26 +13,20 @@ from pathlib import Path
 
 import numpy as np
 
-from coupling.foam.added_mass import added_mass, wall_distance
-from coupling.foam.geometry import (
-    CellGeometry,
-    cell_geometry,
-    fan_volume,
-    non_orthogonality,
-    swept_volumes,
-)
+from coupling.foam.added_mass import added_mass, inertial_pressure, wall_distance
+from coupling.foam.following import FollowingMesh
+from coupling.foam.geometry import CellGeometry
 from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
-from coupling.foam.smoothing import ElasticMesh, MeshFolds
-from coupling.interface import swept_gradient
+from coupling.foam.rates import FluxRate
 from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed
 
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
 
 
 class OpenFoamFlow:
-    """The liquid on one of the meshes, in an OpenFOAM case in ``folder``.
+    """The liquid on a mesh, in an OpenFOAM case in ``folder``.
 
     ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``radius`` [m] of the shell, ``timeout`` [s] of
     one solver call. Nothing is written before ``start`` or ``restore``.
@@ -51,22 +45,31 @@ class OpenFoamFlow:
     ) -> None:
         self.mesh = mesh
         self.case = case_of(folder, mesh, openfoam=openfoam, timeout=timeout)
-        self.radius, self.density, self.viscosity = radius, density, viscosity
+        self.density, self.viscosity = density, viscosity
         self.faces: Ints = mesh.patch_faces
-        self._boundary: Ints = mesh.faces[mesh.inner_faces :]
-        self._elastic = ElasticMesh(mesh, radius)
+        self._following = FollowingMesh(mesh, radius)
         self.time = 0.0
         self._kept: set[float] = {0.0}
 
     @property
-    def moulded_face_centres(self) -> Array:
-        """Where the interface's faces lie in the moulded shape (F, 3) [m]."""
-        return np.asarray(self.radius * self.mesh.moulded[self.faces].mean(axis=1))
+    def points(self) -> Array:
+        """The interface (p, 3) [m], as committed."""
+        return self._following.patch
+
+    @property
+    def mesh_points(self) -> Array:
+        """All points (P, 3) [m], as committed."""
+        return self._following.points
+
+    @property
+    def volume(self) -> float:
+        """Volume [m^3] of the liquid at the start."""
+        return self._following.volume
 
     @property
     def non_orthogonality_max(self) -> float:
         """Largest non-orthogonality [deg] of the committed mesh."""
-        return float(non_orthogonality(self.mesh, self._geometry).max())
+        return self._following.non_orthogonality_max
 
     def start(self, patch: Array, shell: Array, volume: float) -> None:
         """Write the case for a liquid at rest below ``patch`` (p, 3) [m], its rim on the shell.
@@ -74,109 +77,75 @@ class OpenFoamFlow:
         ``shell`` (s, 3) [m] are the shell's other points; a common factor takes them off the
         sphere until the mesh, an inscribed polyhedron, holds the liquid's ``volume`` [m^3].
         """
-        self._place(patch, self._raised(shell, patch, volume), volume)
-        self.case.create(self._all_points, viscosity=self.viscosity)
+        self._place(patch, self._following.raised(shell, patch, volume))
+        self.case.create(self.mesh_points, viscosity=self.viscosity)
 
-    def _place(self, patch: Array, shell: Array, volume: float) -> None:
+    def _place(self, patch: Array, shell: Array) -> None:
         """The state of a liquid at rest."""
         self.time, self.steps = 0.0, 0
-        self.points = self._initial = patch
-        self._shell = shell
-        reference = self.radius * self.mesh.points
-        self._asked = volume
-        self._size = volume / fan_volume(reference[self._boundary])
-        self._all_points = self._relaxed(reference, self._outline(patch), "t = 0 s")
-        self._geometry = self._checked_geometry(self._all_points, "t = 0 s")
-        self.volume = float(self._geometry.volume.sum())
-        self._fan = fan_volume(self._all_points[self._boundary])
-        count = len(self.faces)
-        self._swept = np.zeros(count)
-        self._flux = np.zeros((2, count))  # boundary flux [m^3/s] at the last step, the one before
+        self._initial = (patch, shell)
+        self._following.place(patch, shell)
+        self._moving = FluxRate(len(self.faces))
+        self._sliding = FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
 
-    def _raised(self, shell: Array, patch: Array, volume: float) -> Array:
-        factor = 1.0
-        for _ in range(20):
-            points = np.empty_like(self.mesh.points)
-            points[self.mesh.shell_points] = factor * shell
-            points[self.mesh.patch_points] = patch
-            missing = volume - fan_volume(points[self._boundary])
-            if abs(missing) < 1e-12 * volume:
-                break
-            factor *= 1 + missing / (3 * volume)
-        return factor * shell
+    def begin_step(self, time: float, dt: float, shell: Array | None = None) -> None:
+        """Start a step of ``dt`` [s] from the committed fields at ``time`` [s].
 
-    def begin_step(self, time: float, dt: float) -> None:
-        """Start a step of ``dt`` [s] from the committed fields at ``time`` [s]."""
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
+        """
         self.time, self.dt = round(time, 11), dt  # as the case's folders are named
-        self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
+        self._following.begin_step(shell)
+        self._rate: Array | None = None  # of the fluxes that sliding makes (B,) [m^3/s^2]
+
+    def slide(self, points: Array) -> None:
+        """Take ``points`` (p, 3) [m] for where the interface's points, slid along, start the step.
+
+        A map that changes between two steps takes the patch from one set of facets on the same
+        sheet to another. The solver sees a motion there and answers with its inertia, which the
+        sheet must not feel.
+        """
+        swept = self._following.slid(points)
+        self._rate = self._sliding(swept, self.dt, first=self.steps == 0)
+        self._undue: Array | None = None
 
     def close_volume(self, points: Array) -> Array:
         """``points`` (p, 3) shifted along their normals until the volume is the start's."""
-        for _ in range(30):
-            excess = self._excess(points)
-            if abs(excess) <= 2e-16 * self.volume:
-                break
-            normal = np.zeros_like(points)
-            np.add.at(normal, self.faces, swept_gradient(points[self.faces]))
-            normal[self.mesh.rim] = 0.0
-            # A shift of equal height everywhere, so that it does not favour large faces.
-            height = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-            points = points - height * excess / float((normal * height).sum())
-        return points
+        return self._following.close_volume(points)
 
-    def _excess(self, patch: Array) -> float:
-        """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
-        return fan_volume(self._outline(patch)[self._boundary]) - self._fan
-
-    def _outline(self, patch: Array) -> Array:
-        """Points (P, 3) of which those on the boundary stand where they should."""
-        points = np.zeros_like(self.mesh.points)
-        points[self.mesh.shell_points] = self._shell
-        points[self.mesh.patch_points] = patch
-        return points
-
-    def _relaxed(self, start: Array, outline: Array, moment: str) -> Array:
-        try:
-            return self._elastic.relax(start, outline, size=self._size)
-        except MeshFolds:
-            raise RunFailed(
-                f"{moment}: no valid mesh of the liquid was found below the diaphragm. Raise "
-                "liquid.fill_fraction (0.25 and more has worked at rest), lower motion.amplitude, "
-                "or take model.fluid = 'hydrostatic'."
-            ) from None
+    @property
+    def _moment(self) -> str:
+        return f"t = {self.time + self.dt:.6g} s"
 
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
-        moment = f"t = {self.time + self.dt:.6g} s"
-        all_points = self._meshed(points, moment)
-        swept = swept_volumes(self._all_points[self._boundary], all_points[self._boundary])
-        self._swept_now = swept[: self.mesh.diaphragm_faces]
+        swept = self._following.follow(points, self._moment)
         missed = abs(swept.sum()) / self.volume
         if missed > CLOSURE:
             raise RunFailed(
-                f"{moment}: the interface changes the liquid's volume by {missed:.1e} of it; "
+                f"{self._moment}: the interface changes the liquid's volume by {missed:.1e} of it; "
                 "OpenFOAM would answer with a pressure that means nothing. Halve time.step."
             )
-        self._now = self._checked_geometry(all_points, moment)
-        self._patch_now, self._all_now = points, all_points
-        self._pressure, self._velocity = self.case.advance(
-            self.time, self.time + self.dt, all_points
+        pressure, self._velocity = self.case.advance(
+            self.time, self.time + self.dt, self._following.points_now
         )
-        self._pressure = self.density * self._pressure
-        wall = self._wall_pressure()
+        self._pressure = self.density * pressure
+        wall = self._wall_pressure(swept[: self.mesh.diaphragm_faces])
         area = np.linalg.norm(self._now.face_area[self.mesh.diaphragm], axis=1)
         self._level = float(wall @ area / area.sum())
         self._face_pressure = wall - self._level
         return self._face_pressure
 
-    def _wall_pressure(self) -> Array:
-        """The cells' p* carried over the half cell to the wall: p - rho d a_n."""
-        if self.steps == 0:
-            self._flux_now = self._swept_now / self.dt
-            rate = (self._flux_now - self._flux[0]) / self.dt
-        else:
-            self._flux_now = (1.5 * self._swept_now - 0.5 * self._swept) / self.dt
-            rate = (1.5 * self._flux_now - 2 * self._flux[0] + 0.5 * self._flux[1]) / self.dt
+    def _wall_pressure(self, swept: Array) -> Array:
+        """The cells' p* carried over the half cell to the wall: p - rho d a_n.
+
+        What sliding points ask of the pressure is taken off before.
+        """
+        rate = self._moving(swept, self.dt, first=self.steps == 0)
+        if self._rate is not None:
+            if self._undue is None:
+                self._undue = inertial_pressure(self.mesh, self._now, self._rate, self.density)
+            self._pressure = self._pressure - self._undue
+            rate = rate - self._rate[: self.mesh.diaphragm_faces]
         patch = self.mesh.diaphragm
         area = np.linalg.norm(self._now.face_area[patch], axis=1)
         distance = wall_distance(self.mesh, self._now)
@@ -184,32 +153,29 @@ class OpenFoamFlow:
             self._pressure[self.mesh.owner[patch]] - self.density * distance * rate / area
         )
 
+    @property
+    def _now(self) -> CellGeometry:
+        return self._following.geometry_now
+
     def added_mass(self, points: Array) -> AddedMass:
         """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
-        moment = f"t = {self.time + self.dt:.6g} s"
-        geometry = self._checked_geometry(self._meshed(points, moment), moment)
-        return added_mass(self.mesh, geometry, points, self.density)
-
-    def _meshed(self, points: Array, moment: str) -> Array:
-        """The mesh (P, 3) of the step's end at ``points`` (p, 3), linear in it within the step."""
-        if self._base is None:
-            self._base = self._relaxed(self._all_points, self._outline(points), moment)
-        return self._elastic.follow(self._base, self._outline(points))
+        self._following.follow(points, self._moment)
+        return added_mass(self.mesh, self._now, points, self.density)
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
-        self._swept = self._swept_now
-        self._flux = np.stack([self._flux_now, self._flux[0]])
+        self._moving.accept_step()
+        if self._rate is not None:
+            self._sliding.accept_step()
         if self.time not in self._kept:
             self.case.remove(self.time)
         self.steps += 1
         self.time = round(self.time + self.dt, 11)
-        self.points, self._all_points = self._patch_now, self._all_now
-        self._geometry = self._now
+        self._following.accept_step()
         return self._sample()
 
     def _sample(self) -> FlowSample:
-        mesh, geometry = self.mesh, self._geometry
+        mesh, geometry = self.mesh, self._following.geometry
         boundary = slice(mesh.inner_faces, None)
         pressure = self._pressure[mesh.owner[boundary]] - self._level
         pressure[: mesh.diaphragm_faces] = self._face_pressure
@@ -226,35 +192,22 @@ class OpenFoamFlow:
             dphi_dt_max=float(np.abs(rate).max()),
             kinetic_energy=0.5 * self.density * float(geometry.volume @ speed**2),
             volume=volume,
-            volume_error=abs(self._excess(self.points)) / self.volume,
+            volume_error=abs(self._following.excess(self.points)) / self.volume,
             liquid_cg=geometry.volume @ geometry.centre / volume,
             continuity_error=self.case.continuity,
             non_orthogonality_max=self.non_orthogonality_max,
         )
-
-    def _checked_geometry(self, points: Array, moment: str) -> CellGeometry:
-        geometry = cell_geometry(self.mesh, points)
-        if not geometry.volume.min() > 0:
-            cell = int(np.argmin(geometry.volume))
-            place = ", ".join(f"{x:.3f}" for x in geometry.centre[cell])
-            raise RunFailed(
-                f"{moment}: the flow's mesh has an inverted cell: {cell} near ({place}) m has the "
-                f"volume {geometry.volume[cell]:.1e} m^3. Lower motion.amplitude, raise "
-                "openfoam.clearance, or take model.fluid = 'hydrostatic'."
-            )
-        return geometry
 
     def save(self) -> dict[str, AnyArray]:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
         self._kept.add(self.time)
         saved: dict[str, AnyArray] = {
             "time": np.array([self.time, self.steps]),
-            "initial": self._initial,
-            "shell": self._shell,
-            "volume": np.array([self._asked]),
-            "points": self._all_points,
-            "swept": self._swept,
-            "flux": self._flux,
+            "initial": self._initial[0],
+            "shell": self._initial[1],
+            "points": self.mesh_points,
+            "moving": self._moving.save(),
+            "sliding": self._sliding.save(),
         }
         return saved | self.case.pack(self.time)
 
@@ -266,13 +219,13 @@ class OpenFoamFlow:
 
     def restore(self, saved: Mapping[str, AnyArray]) -> None:
         """The reverse of ``save``; fields of later times are gone, a lost case is written anew."""
-        self._place(saved["initial"], saved["shell"], float(saved["volume"][0]))
+        self._place(saved["initial"], saved["shell"])
         if not self.case.exists:
-            self.case.create(self._all_points, viscosity=self.viscosity)
+            self.case.create(self.mesh_points, viscosity=self.viscosity)
         self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
-        self._all_points, self._swept, self._flux = saved["points"], saved["swept"], saved["flux"]
-        self.points = self._all_points[self.mesh.patch_points]
-        self._geometry = cell_geometry(self.mesh, self._all_points)
+        self._following.return_to(saved["points"])
+        self._moving.restore(saved["moving"])
+        self._sliding.restore(saved["sliding"])
         self.case.rewind(self.time)
         self._kept = set(self.case.times)
         self.case.unpack(self.time, saved)

@@ -45,6 +45,20 @@ def neumann_trace(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
     return 0.5 * (trace + trace.T) + np.diag(wall_distance(mesh, geometry) / patch_area)
 
 
+def inertial_pressure(
+    mesh: LiquidMesh, geometry: CellGeometry, rate: Array, density: float
+) -> Array:
+    """Pressure (c,) [Pa] in the cells that fluxes changing by ``rate`` (B,) [m^3/s^2] ask for.
+
+    One rate for each boundary face, without a sum; the level of the pressure is that of cell 0.
+    """
+    outward = np.bincount(mesh.owner[mesh.inner_faces :], rate, mesh.cells)
+    pressure = np.zeros(mesh.cells)
+    solver = splu(csc_array(_laplacian(mesh, geometry)[1:, 1:]))
+    pressure[1:] = solver.solve(-density * outward[1:])
+    return pressure
+
+
 def _laplacian(mesh: LiquidMesh, geometry: CellGeometry) -> csc_array:
     """Outward flux of -grad p (c, c) of every cell: ``Gauss linear corrected``, over-relaxed."""
     inner = mesh.inner_faces

@@ -6,7 +6,8 @@ from test_structure import GRAVITY, RADIUS, scene
 
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
-from coupling.liquid import flow_of, load_model
+from coupling.liquid import flow_of, load_model, start_flow
+from coupling.numbers import level_of_fill_fraction
 from coupling.structure import diaphragm_of, settle_diaphragm
 
 
@@ -31,14 +32,18 @@ def test_load_model_follows_the_scene():
 
 
 @pytest.mark.openfoam
-@pytest.mark.parametrize(("fill", "cells"), [(0.5, 176), (0.8, 352)])
-def test_mesh_is_the_less_skewed_one(tmp_path, fill, cells):
-    """A diaphragm that leaves the wall at a right angle gets the half ball."""
-    chosen = scene(liquid={"name": "water", "fill_fraction": fill}, openfoam={"cells": 400})
+@pytest.mark.parametrize("fill", [0.2, 0.8])
+def test_flow_holds_the_liquid_below_the_free_part(tmp_path, fill):
+    chosen = scene(liquid={"name": "water", "fill_fraction": fill}, openfoam={"cells": 200})
     cloth = diaphragm_of(chosen)
     settle_diaphragm(cloth, chosen, load_model(chosen).load(GRAVITY))
     flow, mapping = flow_of(chosen, tmp_path, cloth)
-    assert flow.mesh.cells == cells
-    np.testing.assert_allclose(
-        mapping.to_flow(cloth.reference), RADIUS * flow.mesh.moulded, atol=1e-9 * RADIUS
-    )
+    assert flow.mesh.cells == 176
+    start_flow(flow, mapping, chosen, cloth)
+    assert flow.volume == pytest.approx(chosen.liquid_volume, rel=1e-11)
+    assert flow.non_orthogonality_max < 50.0
+    rim = flow.points[flow.mesh.rim, 2] / RADIUS
+    level = level_of_fill_fraction(fill) - 1.0
+    # On the shell where the sheet leaves it, which is not as sharp a bend as a liquid's surface.
+    assert rim.mean() == pytest.approx(level, abs=0.1)
+    flow.close()

@@ -124,12 +124,6 @@ def test_resolved_wrinkles_stand_on_the_sheets_own_stiffness():
         np.testing.assert_allclose(stiffness, expected, rtol=1e-14)
 
 
-def test_clearance_only_where_there_is_a_flow():
-    flow = diaphragm_of(scene(model={"fluid": "openfoam"}))
-    still = diaphragm_of(scene(model={"fluid": "hydrostatic"}))
-    assert flow.model.clearance == pytest.approx(0.02 * RADIUS)
-    assert still.model.clearance == 0.0
-
 
 def test_says_when_no_rest_is_found():
     chosen = scene()

@@ -73,7 +73,7 @@ def test_check_mesh_finds_what_the_coupler_computes(flow):
     assert "Mesh OK." in text
     assert "Upper triangular ordering OK." in text
     assert "Boundary openness" in text
-    geometry = cell_geometry(flow.mesh, flow._all_points)
+    geometry = cell_geometry(flow.mesh, flow.mesh_points)
     exact = {"rel": 1e-11}  # the same formulas: rounding only
     assert figure(text, "Total volume = ") == pytest.approx(geometry.volume.sum(), **exact)
     assert figure(text, "Min volume = ") == pytest.approx(geometry.volume.min(), **exact)
@@ -88,8 +88,8 @@ def test_points_are_imposed_exactly(flow):
     flow.begin_step(0.0, STEP)
     flow.solve(moved(flow, 2e-3))
     found = read_points(flow.case.time_folder(STEP) / "polyMesh" / "points")
-    assert (found == flow._all_now).all()
-    assert np.abs(found - flow._all_points).max() > 1e-4
+    assert (found == flow._following.points_now).all()
+    assert np.abs(found - flow.mesh_points).max() > 1e-4
     assert "Mesh OK." in check_mesh(flow, "-latestTime")
 
 
@@ -132,7 +132,7 @@ def test_first_pressure_is_that_of_the_added_mass(flow):
     # From rest an Euler step is linear: p = -M_a a but for the solver's splitting and the swing of
     # the mesh in the step, which falls with the motion. Forces carry the same weights.
     inertia = added_mass(
-        flow.mesh, cell_geometry(flow.mesh, flow._all_points), flow.points, DENSITY
+        flow.mesh, cell_geometry(flow.mesh, flow.mesh_points), flow.points, DENSITY
     )
     start = flow.points
     target = moved(flow, 1e-5)
@@ -181,7 +181,7 @@ def test_restarts_equal_one_continuous_run(tmp_path):
     shutil.copytree(flow.case.folder, tmp_path / "continuous")
     for number in range(steps):
         flow.begin_step(time + number * STEP, STEP)
-        flow._base = flow._all_points
+        flow._following._base = flow.mesh_points
         flow.solve(flow.points)
         flow.accept_step()
     end = f"{round(time + steps * STEP, 11):.12g}"

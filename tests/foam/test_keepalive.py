@@ -135,7 +135,7 @@ def test_files_are_those_of_a_restart(flow_of, alive):
     )
     assert found == expected - {"functionObjectProperties", "points0"}  # there are none; the target
     assert {"U", "U_0", "p", "Uf", "Uf_0", "V0", "meshPhi", "points"} <= found
-    assert (read_points(folder / "polyMesh" / "points") == staying._all_points).all()
+    assert (read_points(folder / "polyMesh" / "points") == staying.mesh_points).all()
     assert "Mesh OK." in check_mesh(staying, "-latestTime")
     velocity = read_cells(folder / "U", staying.mesh.cells)
     assert (velocity == staying._velocity).all()

@@ -1,0 +1,153 @@
+"""Which part of the diaphragm is free of the shell, and the contact curve round it.
+
+Both are described in the moulded shape, where the sheet is a hemisphere and never folds: the free
+part is star-shaped about an axis, and its edge lies at the polar angle psi(phi) from it. In any
+sector of azimuths the sheet that lies on the shell takes the solid angle omega(phi) dphi off the
+hemisphere's, so that cos psi = cos psi_rim + omega, psi_rim being the clamped rim's. omega is kept
+as a few Fourier coefficients, sums over triangles whose weight falls off smoothly with the gap: the
+curve moves smoothly with the sheet. In time it follows as a damped spring does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coupling.ports import Array, Ints
+
+REACH = 0.03  # gap over R where a node counts as free altogether
+ORDER = 6  # highest wave round the axis
+RATE = 60.0  # 1/s at which the curve follows
+UPRIGHT = 0.5  # weight of the pole in the axis, over that of the whole sheet lifted to its centre
+_WIDEST = 0.98  # |cos psi| of the curve, at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreePart:
+    """Free part of the unit hemisphere: ``frame`` (3, 3), rows u, v, axis; ``waves`` of omega."""
+
+    frame: Array
+    waves: NDArray[np.complex128]
+
+    def edge(self, azimuth: Array) -> Array:
+        """Polar angle psi (k,) of the contact curve at the ``azimuth`` (k,) about the axis."""
+        u, v, axis = self.frame
+        rim = np.arctan2(axis[2], -(np.cos(azimuth) * u[2] + np.sin(azimuth) * v[2]))
+        turns = np.exp(1j * np.multiply.outer(azimuth, np.arange(len(self.waves))))
+        taken = np.maximum((turns @ self.waves).real, 0.0)
+        return np.asarray(np.arccos(np.clip(np.cos(rim) + taken, -_WIDEST, _WIDEST)))
+
+    def directions(self, polar: Array, azimuth: Array) -> Array:
+        """Points (k, 3) of the unit hemisphere at ``polar`` angles (k,) and ``azimuth`` (k,)."""
+        across = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1) @ self.frame[:2]
+        return np.asarray(np.cos(polar)[:, None] * self.frame[2] + np.sin(polar)[:, None] * across)
+
+    def within(self, directions: Array, inset: float) -> Array:
+        """``directions`` (k, 3), those beyond ``inset`` times the curve's polar angle on it."""
+        u, v, height = self.frame @ directions.T
+        azimuth, polar = np.arctan2(v, u), np.arccos(np.clip(height, -1.0, 1.0))
+        most = inset * self.edge(azimuth)
+        moved = self.directions(most, azimuth)
+        return np.asarray(np.where((polar > most)[:, None], moved, directions))
+
+
+class ContactSearch:
+    """Finds the free part of a sheet moulded as ``reference`` (n, 3), in a shell of ``radius``.
+
+    ``fixed`` (n,) nodes are always at the shell: a triangle goes by its others.
+    """
+
+    def __init__(
+        self, reference: Array, triangles: Ints, fixed: NDArray[np.bool_], radius: float
+    ) -> None:
+        self.radius = radius
+        self._triangles = triangles
+        moving = (~fixed)[triangles].astype(float)
+        self._share = moving / np.maximum(moving.sum(axis=1), 1.0)[:, None]
+        self._angle = solid_angles(reference, triangles)
+        centre = reference[triangles].mean(axis=1)
+        self.smooth = Smooth(RATE)
+        self._centre = centre / np.linalg.norm(centre, axis=1)[:, None]
+
+    def free_part(self, position: Array, dt: float) -> FreePart:
+        """The free part ``dt`` [s] after the last, with the nodes at ``position`` (n, 3) [m].
+
+        At once where ``dt`` is 0, else smoothly: the sheet comes off the shell node by node.
+        """
+        now = self._measured(position)
+        smooth = self.smooth.follow(now, dt) if dt > 0.0 else self.smooth.at_rest(now)
+        real, imaginary = np.split(smooth[3:], 2)
+        return FreePart(frame=upright_frame(smooth[:3]), waves=real + 1j * imaginary)
+
+    def _measured(self, position: Array) -> Array:
+        """Axis, real and imaginary parts of the waves, one after the other."""
+        gap = 1.0 - np.linalg.norm(position, axis=1) / self.radius
+        near = np.clip(1.0 - gap / REACH, 0.0, 1.0)
+        resting = (near * near * (3.0 - 2.0 * near))[self._triangles]
+        resting = (self._share * resting).sum(axis=1)
+        axis = ((1.0 - resting) * self._angle) @ self._centre / self._angle.sum()
+        axis[2] += UPRIGHT
+        frame = upright_frame(axis)
+        azimuth = np.arctan2(self._centre @ frame[1], self._centre @ frame[0])
+        order = np.arange(ORDER + 1)
+        turns = np.exp(-1j * np.multiply.outer(order, azimuth))
+        # Lanczos' factors keep the truncated series from overshooting where contact begins.
+        waves = turns @ (resting * self._angle) / np.pi * np.sinc(order / (ORDER + 1.0))
+        waves[0] /= 2.0
+        return np.concatenate([axis, waves.real, waves.imag])
+
+
+class Smooth:
+    """Follows a vector as a critically damped spring of ``rate`` [1/s] does, however it jumps."""
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self._state = np.zeros((2, 0))  # value and speed
+
+    def at_rest(self, target: Array) -> Array:
+        """Stand at ``target`` (k,)."""
+        self._state = np.stack([target, np.zeros_like(target)])
+        return target
+
+    def follow(self, target: Array, dt: float) -> Array:
+        """Where a step of ``dt`` [s] towards ``target`` (k,) leads: exact, so stable."""
+        value, speed = self._state
+        away, fade = value - target, np.exp(-self.rate * dt)
+        push = speed + self.rate * away
+        self._state = np.stack(
+            [target + (away + push * dt) * fade, (speed - self.rate * push * dt) * fade]
+        )
+        return np.asarray(self._state[0])
+
+    def save(self) -> Array:
+        """Everything ``restore`` needs (2, k)."""
+        return self._state
+
+    def restore(self, saved: Array) -> None:
+        """The reverse of ``save``."""
+        self._state = saved
+
+
+def upright_frame(axis: Array) -> Array:
+    """Rows u, v and ``axis`` (3,), of any length, above the horizon: z turned by the least way."""
+    axis = axis / np.linalg.norm(axis)
+    x, y, z = axis
+    return np.array(
+        [
+            [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), -x],
+            [-x * y / (1.0 + z), 1.0 - y * y / (1.0 + z), -y],
+            axis,
+        ]
+    )
+
+
+def solid_angles(points: Array, triangles: Ints) -> Array:
+    """Solid angles (m,) of ``triangles`` seen from the origin, positive if counter-clockwise from
+    outside (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983)."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    la, lb, lc = (np.linalg.norm(p, axis=1) for p in (a, b, c))
+    ab, bc, ca = (np.einsum("mx,mx->m", p, q) for p, q in ((a, b), (b, c), (c, a)))
+    triple = np.einsum("mx,mx->m", a, np.cross(b, c))
+    return np.asarray(2.0 * np.arctan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb))

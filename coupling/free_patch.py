@@ -1,0 +1,147 @@
+"""The flow's boundary as it follows the diaphragm: points on the free part, a rim on the shell.
+
+The patch ``diaphragm`` of the half ball lies on the free part of the sheet. Every one of its points
+keeps its place between the middle of the free part and the contact curve, in the moulded shape, so
+that it slides through the sheet as the curve moves; a step's map holds it where it will be. The rim
+is the contact curve brought onto the shell. The shell's points lie on arcs from the pool's middle
+to the rim. Only swept volumes matter to the flow: where points slide along, nothing is swept.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.optimize import brentq
+
+from coupling.contact_curve import ContactSearch
+from coupling.foam.geometry import fan_volume
+from coupling.foam.mesh import LiquidMesh
+from coupling.interface import cross, swept_gradient
+from coupling.mapping import moving_least_squares
+from coupling.ports import Array, Structure, StructureState
+from coupling.structure import liquid_cg
+
+WEDGE = math.tan(math.radians(15.0))  # least slope of the liquid's edge
+FILM = 0.02  # over R: the wedge's greatest depth
+LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
+BESIDE = 0.85  # of the contact curve, from where on the patch's share of the sheet is not all
+INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
+
+
+class FreePatch:
+    """Map from ``sheet`` to the patch of ``mesh`` in a shell of ``radius`` [m]."""
+
+    def __init__(self, mesh: LiquidMesh, sheet: Structure, *, radius: float) -> None:
+        self.mesh, self.radius = mesh, radius
+        self._triangles, self._moulded = sheet.triangles, sheet.reference / radius
+        self._search = ContactSearch(sheet.reference, sheet.triangles, sheet.fixed, radius)
+        disc, wall = mesh.points[mesh.patch_points], mesh.points[mesh.shell_points]
+        self._reach = np.linalg.norm(disc[:, :2], axis=1)
+        self._azimuth = np.arctan2(disc[:, 1], disc[:, 0])
+        self._wall_reach = np.arccos(np.clip(-wall[:, 2], -1.0, 1.0)) / (0.5 * np.pi)
+        self._wall_azimuth = np.arctan2(wall[:, 1], wall[:, 0])
+        rim = np.flatnonzero(mesh.rim)
+        self._rim = rim[np.argsort(self._azimuth[rim])]
+        self.size = 1.0  # of the polyhedron that stands for the shell, over R
+
+    def fit(self, state: StructureState, volume: float) -> None:
+        """Take the size with which the polyhedron holds ``volume`` [m^3] below ``state``."""
+        outline = np.zeros_like(self.mesh.points)
+
+        def excess(size: float) -> float:
+            self.size = size
+            outline[self.mesh.shell_points] = self.begin_step(state, 0.0)
+            outline[self.mesh.patch_points] = self.to_flow(state.position)
+            return fan_volume(outline[self.mesh.faces[self.mesh.inner_faces :]]) / volume - 1.0
+
+        self.size = brentq(excess, 0.9, 1.2, xtol=1e-15)
+
+    def begin_step(self, state: StructureState, dt: float) -> Array:
+        """Take the map of a step of ``dt`` [s] from ``state``; the shell's points (s, 3) [m].
+
+        It is that of where the sheet is heading, x + dt v.
+        """
+        nodes = state.position + dt * state.velocity
+        distance = np.linalg.norm(nodes, axis=1)[:, None]
+        nodes *= np.minimum(1.0, self.radius / np.maximum(distance, 1e-30))
+        self._values: Array | None = None
+        self.free = self._search.free_part(nodes, dt)
+        edge = self.free.edge(self._azimuth)
+        self.moulded = self.free.directions(self._reach * edge, self._azimuth)
+        self.weights = moving_least_squares(self._moulded, self.moulded)
+        points = self.weights @ nodes
+        rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
+        depth = np.minimum(FILM, WEDGE * (1.0 - self._reach) * edge)
+        most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
+        points *= np.minimum(1.0, most)[:, None]
+        points[self._rim] = self.size * self.radius * rim
+        self.weights[self._rim] = 0.0
+        self._offset = points - self.weights @ nodes
+        self._beside = self._besides(nodes, points)
+        centre = liquid_cg(nodes, self._triangles, self.radius, state.volume) / self.radius
+        return self._wall(centre - [0.0, 0.0, LOW], rim)
+
+    def _wall(self, middle: Array, rim: Array) -> Array:
+        """Points (s, 3) [m] of the shell on arcs from the pool's middle to ``rim`` (r, 3)."""
+        azimuth = self._azimuth[self._rim]
+        turn = np.concatenate([azimuth[-1:] - 2 * np.pi, azimuth, azimuth[:1] + 2 * np.pi])
+        closed = np.concatenate([rim[-1:], rim, rim[:1]])
+        end = np.stack([np.interp(self._wall_azimuth, turn, closed[:, k]) for k in range(3)], 1)
+        end /= np.linalg.norm(end, axis=1)[:, None]
+        middle = middle / np.linalg.norm(middle)
+        arc, reach = np.arccos(np.clip(end @ middle, -1.0, 1.0))[:, None], self._wall_reach[:, None]
+        wall = np.sin((1.0 - reach) * arc) * middle + np.sin(reach * arc) * end
+        return np.asarray(self.size * self.radius * wall / np.sin(arc))
+
+    def to_flow(self, nodes: Array) -> Array:
+        """Flow points (p, 3) of cloth nodes (n, 3), in the step's map."""
+        return self.weights @ nodes + self._offset
+
+    def to_cloth(self, force: Array) -> Array:
+        """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]; the shell bears the rim."""
+        return self.weights.T @ force
+
+    def rows_to_cloth(self, rows: Array) -> Array:
+        """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
+        return np.ascontiguousarray(np.matmul(self.weights.T, rows))
+
+    def save(self) -> dict[str, Array]:
+        """What of the map a former step has left."""
+        return {"contact": self._search.smooth.save()}
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``; other entries are let be."""
+        self._search.smooth.restore(saved["contact"])
+
+    def _besides(self, nodes: Array, points: Array) -> Array:
+        """Area vectors (n, 3) [m^2] of the sheet at the contact curve and beyond, less the patch's.
+
+        ``nodes`` (n, 3) and ``points`` (p, 3) [m] are where both will be.
+        """
+        own, patch = np.zeros_like(nodes), np.zeros_like(points)
+        a, b, c = (nodes[self._triangles[:, k]] for k in range(3))
+        np.add.at(own, self._triangles, (cross(b - a, c - a) / 6.0)[:, None])
+        np.add.at(patch, self.mesh.patch_faces, swept_gradient(points[self.mesh.patch_faces]))
+        inside = np.all(self.free.within(self._moulded, BESIDE) == self._moulded, axis=1)
+        return np.asarray(np.where(inside[:, None], 0.0, own - self.weights.T @ patch))
+
+    def beside(self, pressure: Array) -> Array:
+        """Forces (n, 3) [N] of face pressures (F,) [Pa] on the sheet beside the free part.
+
+        There is liquid behind it, or none; were there none and the sheet to come off the shell,
+        liquid of the pressure at the contact curve would follow.
+        """
+        return self._beside * self.to_nodes(pressure)[:, None]
+
+    def to_nodes(self, values: Array) -> Array:
+        """Values (n,) at the nodes of ``values`` (F,) on the patch's faces, in the step's map.
+
+        Where the sheet lies on the shell they are those of the contact curve beside it.
+        """
+        if self._values is None:
+            centre = self.moulded[self.mesh.patch_faces].mean(axis=1)
+            centre /= np.linalg.norm(centre, axis=1)[:, None]
+            self._values = moving_least_squares(centre, self.free.within(self._moulded, INSET))
+        return self._values @ values
