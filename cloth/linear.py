@@ -72,9 +72,8 @@ class System:
         y = solved.reshape(-1, rank, 3).transpose(1, 0, 2).reshape(rank, -1)
         core = np.eye(rank) + inner.reshape(rank, -1) @ y.T
         lower = sl.cholesky(core, lower=True, check_finite=False)
-        self._directions = np.ascontiguousarray(
-            sl.solve_triangular(lower, y, lower=True, check_finite=False)
-        )
+        inverse = sl.solve_triangular(lower, np.eye(rank), lower=True, check_finite=False)
+        self._directions = inverse @ y  # a product is several times faster than substitution
 
     def solve(self, right: Array) -> Array:
         """A^-1 ``right`` (n, 3); zero on the fixed nodes."""
