@@ -5,14 +5,15 @@ From seconds a step measured on two shared cores; they vary by half from machine
 
 from __future__ import annotations
 
-from cloth.load import DRY
+from cloth.load import DRY, WET
 from coupling.scene import Scene
 
 # Seconds: an inner iteration of a cloth of 24 rings, all of a step's overhead spread over ten;
-# a settling's inner iterations; one coupled step on 1300 cells.
+# a settling's inner iterations; one coupled step on 1300 cells. Solves a step of a potential liquid.
 _CLOTH_ITERATION = 6e-4
 _SETTLING = 10000
 _FLOW_STEP = 0.5
+_POTENTIAL_SOLVES = 1.6
 
 
 def step_cost(scene: Scene, fluid: str) -> float:
@@ -20,6 +21,9 @@ def step_cost(scene: Scene, fluid: str) -> float:
 
     The cloth's share grows with its triangles and inner iterations, the flow's with its cells.
     """
+    if fluid == "potential":
+        solve = _iteration_cost(scene) * (scene.cloth.iterations or WET.iterations)
+        return _POTENTIAL_SOLVES * solve
     dry = _iteration_cost(scene) * (scene.cloth.iterations or DRY.iterations)
     return dry + (_FLOW_STEP * scene.openfoam.cells / 1300.0 if fluid == "openfoam" else 0.0)
 

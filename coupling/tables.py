@@ -122,10 +122,14 @@ def print_study(study: Mapping[str, Any], folder: Path) -> None:
 
 
 def model_estimates(scene: Scene, numbers: Numbers) -> dict[str, dict[str, float | None]]:
-    """Estimated relative error and wall time [s] of each fluid model for ``scene``."""
+    """Estimated relative error and wall time [s] of each fluid model for ``scene``.
+
+    The potential's is not known before a run: it lacks friction and separation alone.
+    """
     errors = {
         "datum": numbers.hydrostatic_error,
         "hydrostatic": numbers.hydrostatic_error,
+        "potential": None,
         "openfoam": numbers.openfoam_error,
     }
     return {
