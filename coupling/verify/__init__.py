@@ -36,6 +36,7 @@ CASES: dict[str, str] = {
     "static-level": "coupling.verify.static_level:static_level",
     "slosh": "coupling.verify.slosh:slosh",
     "cylinder": "coupling.verify.cylinder:cylinder",
+    "piston": "coupling.verify.piston:piston",
     "rigid": "coupling.verify.rigid:rigid",
     "momentum": "coupling.verify.momentum:momentum",
     "eq46": "coupling.verify.numbers:eq46",
