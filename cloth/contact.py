@@ -1,33 +1,10 @@
-"""How near to the rigid shell the diaphragm may come."""
+"""Where the diaphragm lies on the rigid shell, and how far it slides there."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
 from cloth.arrays import Array, Bools
-from cloth.mesh import Mesh
-
-WEDGE = math.tan(math.radians(15.0))
-
-
-def shell_limits(mesh: Mesh, position: Array, radius: float | None, clearance: float) -> Array:
-    """Largest |x_i| (n,) [m] allowed, at the present ``position`` (n, 3) [m].
-
-    ``radius`` on the gas side (z >= 0). On the wet side a film is kept free for a body-fitted
-    flow mesh: ``clearance`` [m] wide, narrowing to the rim as a wedge of 15 degrees, which bounds
-    both the distance s from the rim along the moulded shape and the depth -z:
-    radius - min(clearance, tan(15 deg) min(s, max(-z, 0))). So it is full from
-    s0 = clearance / tan(15 deg) = 3.7 clearance on. Continuous in z, but only piecewise smooth.
-    Infinite where ``radius`` is None.
-    """
-    if radius is None:
-        return np.full(len(position), np.inf)
-    if clearance <= 0.0:
-        return np.full(len(position), radius)
-    depth = np.minimum(mesh.rim_distance, np.maximum(-position[:, 2], 0.0))
-    return np.asarray(radius - np.minimum(clearance, WEDGE * depth))
 
 
 def pressed(position: Array, contact_force: Array, limit: Array, reach: float) -> Bools:

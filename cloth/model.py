@@ -33,13 +33,13 @@ class ClothModel:
         thickness: Array | None,
         clamped: Array,
         shell_radius: float | None,
-        clearance: float,
         elastic: bool,
         compressive_stiffness: float | None,
         self_contact: bool,
     ) -> None:
         self.mesh, self.clamped = mesh, clamped
-        self.shell_radius, self.clearance = shell_radius, clearance
+        self.shell_radius = shell_radius
+        self.limit = np.full(len(mesh.points), np.inf if shell_radius is None else shell_radius)
         self.triangles, self.free = mesh.triangles, ~mesh.fixed
         self.size = 0.5 * float(np.ptp(mesh.points, axis=0).max())
         self.gradients, self.areas = rest_gradients(mesh.points, mesh.triangles)

@@ -85,7 +85,7 @@ def _extrapolated(
         result[name] = new[name] + factor * (new[name] - old[name])
     contact = cloth.model.self_contact
     if contact is not None:
-        limit = cloth.limit(new["position"])
+        limit = cloth.model.limit
         further = clamp_to_shell(result["position"], limit)
         result["position"] = contact.resolve(new["position"], further, limit).position
     return result
@@ -119,7 +119,7 @@ def settle(
     a fifth of it with the extrapolation if that is more, motion along the surface counted half. So
     slack cloth may still creep tangentially by two tolerances a step. After 500 steps the
     tolerance grows with the steps, threefold at 1500: what is left is the slow creep of a slack
-    coarse sheet, most of all with a ``clearance``.
+    coarse sheet.
     A wrinkled or slack sheet has many equilibria; the one found depends on the path.
     """
     if cloth.held:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.contact import pressed, shell_limits, slid
+from cloth.contact import pressed, slid
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
@@ -41,7 +41,6 @@ class Cloth:
         compressive_stiffness: float | None = 10.0,
         elastic: bool = False,
         self_contact: bool = False,
-        clearance: float = 0.0,
         dry: Settings = DRY,
         wet: Settings = WET,
         held: bool = False,
@@ -49,9 +48,9 @@ class Cloth:
         """At rest as moulded, or at ``position`` (n, 3) [m], where fixed nodes are then held.
 
         ``shell_radius`` [m], None for no shell (the volume is then the cone's alone);
-        ``clearance`` [m], see ``shell_limits``; ``thickness`` (m,) [m] of every triangle instead
-        of the diaphragm's; ``strain_limit`` [-] above which iterations are added; ``elastic``:
-        E t resists tension instead of inextensibility. ``compressive_stiffness`` [N/m] keeps
+        ``thickness`` (m,) [m] of every triangle instead of the diaphragm's; ``strain_limit`` [-]
+        above which iterations are added; ``elastic``: E t resists tension instead of
+        inextensibility. ``compressive_stiffness`` [N/m] keeps
         slack triangles in shape: 10 N/m at 10 % of compression and a radius of 0.44 m is 2.3 Pa,
         0.2 mm of water; None is the sheet's own E t, for grids that resolve its wrinkles.
         ``self_contact``: the sheet does not pass through itself, its mid-surfaces a thickness
@@ -67,7 +66,6 @@ class Cloth:
             thickness=thickness,
             clamped=position,
             shell_radius=shell_radius,
-            clearance=clearance,
             elastic=elastic,
             compressive_stiffness=compressive_stiffness,
             self_contact=self_contact,
@@ -128,7 +126,7 @@ class Cloth:
             tension=m.tension,
             contact_force=m.contact_force,
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
-            limit=self.limit(m.position),
+            limit=self.model.limit,
             strain_limit=self.strain_limit,
         )
 
@@ -140,12 +138,6 @@ class Cloth:
                 self._systems.pop(next(iter(self._systems)))
             self._systems[key] = self.model.system(settings, b)
         return self._systems[key]
-
-    def limit(self, position: Array) -> Array:
-        """Largest |x_i| (n,) [m] of a step from ``position`` (n, 3) [m]: see ``shell_limits``."""
-        return shell_limits(
-            self.model.mesh, position, self.model.shell_radius, self.model.clearance
-        )
 
     def _begun(self) -> Kinematics:
         if self._kin is None:

@@ -225,12 +225,10 @@ def test_restart_is_bitwise(settled, patches):
         np.testing.assert_array_equal(value, whole[name], err_msg=name)
 
 
-@pytest.mark.parametrize(
-    ("rings", "fill", "clearance"), [(8, 0.1, 0.0), (8, 0.5, 0.0), (6, 0.5, 0.0), (6, 0.3, 0.02)]
-)
-def test_settles_on_coarse_meshes(rings, fill, clearance):
+@pytest.mark.parametrize(("rings", "fill"), [(8, 0.1), (8, 0.5), (6, 0.5), (6, 0.3)])
+def test_settles_on_coarse_meshes(rings, fill):
     """Slack sheets creep: without extrapolation none of half fill settles in 1000 steps."""
-    cloth = build(rings, clearance=clearance * R)
+    cloth = build(rings)
     load, zero = Water(fill * TANK, GRAVITY), np.zeros_like(cloth.reference)
     assert settle(cloth, load).converged
     for _ in range(20):
@@ -288,17 +286,6 @@ def test_held_cloth_never_moves():
         np.testing.assert_array_equal(cloth.solve(zero + 1.0), cloth.reference)
         cloth.accept_step()
     assert np.all(cloth.state.velocity == 0.0)
-
-
-def test_clearance_keeps_a_wedge_open():
-    """Lower half: 10 mm to the shell away from the rim, a 15 degree wedge next to it."""
-    cloth = build(10, clearance=0.01)
-    settle(cloth, Water(0.3 * TANK, GRAVITY), steps_max=200)
-    x, s = cloth.state.position, cloth.model.mesh.rim_distance
-    gap = R - np.linalg.norm(x, axis=1)
-    wanted = np.minimum(0.01, math.tan(math.radians(15.0)) * np.minimum(s, np.maximum(-x[:, 2], 0)))
-    assert np.min(gap - wanted) >= -1e-4
-    assert np.min(gap[(x[:, 2] < -0.1 * R) & (s > 0.04)]) >= 0.01 - 1e-4
 
 
 @pytest.mark.parametrize("datum", [None, 2e3])

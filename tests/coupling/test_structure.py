@@ -124,7 +124,6 @@ def test_resolved_wrinkles_stand_on_the_sheets_own_stiffness():
         np.testing.assert_allclose(stiffness, expected, rtol=1e-14)
 
 
-
 def test_says_when_no_rest_is_found():
     chosen = scene()
     cloth = diaphragm_of(chosen)
