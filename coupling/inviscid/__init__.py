@@ -1,1 +1,1 @@
-"""The inviscid, irrotational liquid by boundary elements: only its boundary carries unknowns."""
+"""The inviscid, irrotational liquid by harmonic polynomials: only its boundary is sampled."""

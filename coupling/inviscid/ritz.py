@@ -37,7 +37,7 @@ class RitzLiquid:
     """Liquid of ``density`` [kg/m^3] between ``triangles`` (m, 3) and fixed walls.
 
     The triangles are counter-clockwise seen from outside the liquid. ``wall`` (k, k) [m]: the fixed
-    walls' share of int grad H_i . grad H_j dV, see ``cone_integral`` and ``lower_hemisphere``.
+    walls' share of int grad H_i . grad H_j dV, see ``wall_integral`` and ``lower_hemisphere``.
     """
 
     triangles: Ints
@@ -128,14 +128,22 @@ def cone_integral(values: Array, reach: Array, harmonics: SolidHarmonics) -> Arr
     return np.asarray(total / np.maximum(degree[:, None] + degree[None, :] + 1, 1))
 
 
-def hemisphere_samples(harmonics: SolidHarmonics) -> tuple[Array, Array]:
-    """Points (N, 3) [m] on the shell below the equator and their area vectors (N, 3) [m^2].
+def wall_integral(harmonics: SolidHarmonics, points: Array, area: Array) -> Array:
+    """``cone_integral`` of fixed walls with samples ``points`` (N, 3) [m], ``area`` (N, 3) [m^2].
+
+    The area vectors point out of the liquid; the origin may lie anywhere.
+    """
+    return cone_integral(harmonics.values(points), np.sum(points * area, axis=1), harmonics)
+
+
+def cap_samples(harmonics: SolidHarmonics, level: float) -> tuple[Array, Array]:
+    """Points (N, 3) [m] on the shell below z = ``level`` radii and their area vectors (N, 3) [m^2].
 
     Exact for products of two of the harmonics: Gauss's points in height, even ones around.
     """
     count = harmonics.degree + 1
-    height, weight = np.polynomial.legendre.leggauss(count)
-    height, weight = 0.5 * (height - 1.0), 0.5 * weight
+    node, weight = np.polynomial.legendre.leggauss(count)
+    height, weight = 0.5 * (level - 1.0) + 0.5 * (level + 1.0) * node, 0.5 * (level + 1.0) * weight
     angle = np.pi * np.arange(2 * count) / count
     across = np.sqrt(1.0 - height**2)[:, None]
     normal = np.empty((count, 2 * count, 3))
@@ -146,10 +154,14 @@ def hemisphere_samples(harmonics: SolidHarmonics) -> tuple[Array, Array]:
     return harmonics.radius * outward, size[:, None] * outward
 
 
+def hemisphere_samples(harmonics: SolidHarmonics) -> tuple[Array, Array]:
+    """``cap_samples`` of the shell below the equator."""
+    return cap_samples(harmonics, 0.0)
+
+
 def lower_hemisphere(harmonics: SolidHarmonics) -> Array:
     """``cone_integral`` of the shell below the equator."""
-    points, area = hemisphere_samples(harmonics)
-    return cone_integral(harmonics.values(points), np.sum(points * area, axis=1), harmonics)
+    return wall_integral(harmonics, *hemisphere_samples(harmonics))
 
 
 @compiled

@@ -84,17 +84,19 @@ class FreeSurface:
         self._before = self.height
         self.steps = 0
 
-    def mode(self, shape: Array, added_mass: Array) -> float:
-        """omega [1/s] of the mode most like the heights ``shape`` (p,), volume kept.
+    def mode(self, shape: Array, added_mass: Array) -> tuple[float, Array]:
+        """omega [1/s] of the mode most like the heights ``shape`` (p,), and its heights (p,).
 
-        ``added_mass`` (r, p, 3) [kg^(1/2)] of the liquid.
+        It keeps the volume; the largest height is 1. ``added_mass`` (r, p, 3) [kg^(1/2)] of the
+        liquid.
         """
         rows = np.einsum("rpx,px->rp", added_mass, self.path)
         inertia = rows.T @ rows + np.diag(self._mass)
         kept = null_space(self._area[None])
         value, vector = eigh(kept.T @ self._stiffness @ kept, kept.T @ inertia @ kept)
-        like = np.abs(vector.T @ (kept.T @ (inertia @ shape)))
-        return float(np.sqrt(value[np.argmax(like)]))
+        most = int(np.argmax(np.abs(vector.T @ (kept.T @ (inertia @ shape)))))
+        heights = kept @ vector[:, most]
+        return float(np.sqrt(value[most])), heights / heights[np.argmax(np.abs(heights))]
 
     def displace(self, height: Array) -> None:
         """Start at rest from ``height`` (p,) [m], its mean removed."""

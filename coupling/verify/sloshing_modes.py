@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
+from threadpoolctl import threadpool_limits
 
 from coupling.ports import Array
 
@@ -22,9 +23,10 @@ def lateral_eigenvalue(level: float, mode: int) -> float:
     Agrees with McIver (J. Fluid Mech. 201, 1989) to all digits of his table. From above, and to
     1e-6 and better for the lowest three modes and levels from 0.2 to 1.8.
     """
-    stiffness, mass = _forms(level, DEGREE, DEGREE // 2)
-    # Heights on the surface alone: 1/lambda are the largest eigenvalues of M over K.
-    value = eigh(mass, stiffness, eigvals_only=True)
+    with threadpool_limits(1):
+        stiffness, mass = _forms(level, DEGREE, DEGREE // 2)
+        # Heights on the surface alone: 1/lambda are the largest eigenvalues of M over K.
+        value = eigh(mass, stiffness, eigvals_only=True)
     return float(1 / value[-mode])
 
 
