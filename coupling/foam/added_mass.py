@@ -8,6 +8,9 @@ under-estimate of any short wave would diverge.
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
@@ -32,15 +35,16 @@ def neumann_trace(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
     p_f is the wall's value: the cell's, and the half cell beyond it that ``zeroGradient`` omits.
     Symmetric; accelerations with a net flux are answered up to a constant.
     """
-    laplacian = _laplacian(mesh, geometry)
-    # Cell 0 is held: the trace is defined up to a constant, which the caller's means remove.
-    solver = splu(csc_array(laplacian[1:, 1:]))
-    wall = mesh.owner[mesh.diaphragm]
-    source = np.zeros((mesh.cells, len(wall)))
-    source[wall, np.arange(len(wall))] = 1.0
-    pressure = np.zeros_like(source)
-    pressure[1:] = solver.solve(source[1:])
-    trace = pressure[wall]
+    order, wall = _elimination(mesh.owner.tobytes(), mesh.neighbour.tobytes(), mesh.diaphragm.stop)
+    # The cell left out is held: the trace is defined up to a constant, which the callers' means
+    # remove. With the wall's cells last, what is left of the others' elimination is the trace's
+    # inverse: no pressure inside need be found.
+    solver = splu(csc_array(_laplacian(mesh, geometry)[order][:, order]), **_ORDERED)
+    assert np.array_equal(solver.perm_r, np.arange(len(order))), "a pivot has moved"
+    inner = len(order) - len(wall)
+    schur = (solver.L[inner:, inner:] @ solver.U[inner:, inner:]).toarray()
+    face = np.searchsorted(wall, mesh.owner[mesh.diaphragm])
+    trace = np.linalg.inv(schur)[np.ix_(face, face)]
     patch_area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
     return 0.5 * (trace + trace.T) + np.diag(wall_distance(mesh, geometry) / patch_area)
 
@@ -57,6 +61,29 @@ def inertial_pressure(
     solver = splu(csc_array(_laplacian(mesh, geometry)[1:, 1:]))
     pressure[1:] = solver.solve(-density * outward[1:])
     return pressure
+
+
+_SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+_ORDERED: dict[str, Any] = {"permc_spec": "NATURAL", **_SYMMETRIC}
+
+
+@lru_cache(maxsize=4)
+def _elimination(owner: bytes, neighbour: bytes, stop: int) -> tuple[Ints, Ints]:
+    """Cells but the first inner one, ordered for little fill with the wall's last; and the wall's.
+
+    ``owner``, ``neighbour``: the mesh's, as bytes; ``stop``: where the wall's faces end.
+    """
+    owners, neighbours = np.frombuffer(owner, np.int64), np.frombuffer(neighbour, np.int64)
+    wall, cells = np.unique(owners[len(neighbours) : stop]), int(owners.max()) + 1
+    inner = np.setdiff1d(np.arange(cells), wall)[1:]
+    faces, shape = np.arange(len(neighbours)), (len(neighbours), cells)
+    sides = _sparse(faces, owners[: len(neighbours)], 1.0, shape)
+    sides = sides + _sparse(faces, neighbours, 1.0, shape)
+    near = csc_array(sides.T @ sides)
+    pattern = csc_array((near @ near)[inner][:, inner])  # of the corrected Laplacian
+    pattern.setdiag(2.0 * pattern.sum(axis=0))
+    found = splu(csc_array(pattern), permc_spec="MMD_AT_PLUS_A", **_SYMMETRIC)
+    return np.concatenate([inner[np.argsort(found.perm_c)], wall]), wall
 
 
 def _laplacian(mesh: LiquidMesh, geometry: CellGeometry) -> csc_array:
