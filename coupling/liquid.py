@@ -53,7 +53,11 @@ def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow,
     flow = OpenFoamFlow(
         folder,
         mesh,
-        openfoam=find_openfoam(scene.openfoam.command),
+        openfoam=find_openfoam(
+            scene.openfoam.command,
+            keep_alive=scene.openfoam.keep_alive,
+            processors=scene.openfoam.processors,
+        ),
         radius=radius,
         density=scene.liquid.density,
         viscosity=scene.liquid.viscosity,
