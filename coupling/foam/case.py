@@ -20,7 +20,7 @@ from PyFoam.RunDictionary.ParsedParameterFile import ParsedParameterFile
 from coupling.foam import fields
 from coupling.foam.logs import read_log
 from coupling.foam.mesh import LiquidMesh
-from coupling.foam.parts import Part, decompose, decomposed, gathered, is_spread, whole
+from coupling.foam.parts import Part, decompose, decomposed, is_spread, whole
 from coupling.foam.process import OpenFoam, OpenFoamFailed, run_program
 
 if TYPE_CHECKING:
@@ -33,7 +33,8 @@ _TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
 class Case:
     """A case of ``mesh`` in ``folder``, solved by ``openfoam``, restarted for every call.
 
-    ``timeout`` [s] is the wall time one call of the solver may take.
+    ``timeout`` [s] is the wall time one call of the solver may take. One processor only: the stock
+    solver is wrong on several.
     """
 
     solver = "restart"
@@ -100,17 +101,17 @@ class Case:
         Returns p*/rho (c,) [m^2/s^2] and U (c, 3) [m/s] of the cells at ``end``. The fields at
         ``start`` stay: the call can be repeated. Raises ``OpenFoamFailed``.
         """
-        for part in self.parts:
-            origin = part.folder / self.time_name(start) / "polyMesh"
-            origin.mkdir(exist_ok=True)
-            fields.write_points(origin / "points0", points[part.points])
+        origin, result = self.time_folder(start) / "polyMesh", self.time_folder(end)
+        origin.mkdir(exist_ok=True)
+        fields.write_points(origin / "points0", points)
         self._write_step(start, end)
         self.remove(end)
         run_program(
             self.openfoam.solver, self.folder, openfoam=self.openfoam, log=self.log,
             timeout=self.timeout, moment=f"t = {end:.6g} s",
         )  # fmt: skip
-        return self._read(end, "p"), self._read(end, "U")
+        cells = self.mesh.cells
+        return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
 
     def _write_step(self, start: float, end: float) -> None:
         (self.folder / "system" / "step").write_text(
@@ -119,14 +120,6 @@ class Case:
             f"endTime             {end:.12g};\n"
             f"deltaT              {end - start:.12g};\n"
         )
-
-    def _read(self, time: float, name: str) -> Array:
-        """A field's values in all cells."""
-        own = []
-        for part in self.parts:
-            cells = self.mesh.cells if isinstance(part.cells, slice) else len(part.cells)
-            own.append(fields.read_cells(part.folder / self.time_name(time) / name, cells))
-        return gathered(self.parts, own)
 
     @property
     def continuity(self) -> float:
