@@ -1,15 +1,14 @@
-"""The liquid's hexahedral mesh: a cubed ball, or its lower half, whose top is the diaphragm.
+"""The liquid's hexahedral mesh: the lower half of a cubed ball, whose top is the diaphragm.
 
-Two topologies, neither ever changed in a run. The ``ball`` is a cube of n^3 cells wrapped in m
-layers of 6 n^2; the upper half of its surface is the patch ``diaphragm``. It suits a diaphragm that
-lies on the upper shell at its rim. The ``half_ball`` is cut from it at the equator and suits a
-diaphragm that leaves the wall at a right angle, which would squash the ball's cells at the rim.
-Where the points go as the diaphragm moves is the business of ``smoothing``.
+A cube of n^3 cells wrapped in m layers of 6 n^2, cut at the equator. The top is the patch
+``diaphragm``, a disc; its rim is where the liquid's surface meets the shell, anywhere on it, at the
+angle that a liquid's surface has there. The topology never changes in a run. Where the points go as
+the diaphragm moves is the business of ``free_patch`` and ``following``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -27,17 +26,17 @@ _FACES = np.array(
 _EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
+LAYERS = 0.65  # from the cube to the shell, over n
 CUBE_SIZE = 0.4  # half the inner cube's edge over R, on its axes
 CUBE_BULGE = 0.5  # 0: a cube, 1: a sphere; between them the cells at its edges stay open
 
 
 @dataclass(frozen=True, kw_only=True)
 class LiquidMesh:
-    """Topology in OpenFOAM's order, and the reference ball of radius 1.
+    """Topology in OpenFOAM's order, and the reference half ball of radius 1.
 
     ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
-    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8); ``moulded`` (p, 3): where
-    the patch's points lie in the moulded shape, on the unit hemisphere.
+    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8).
     """
 
     points: Array
@@ -47,7 +46,6 @@ class LiquidMesh:
     cells: int
     diaphragm_faces: int
     hexes: Ints = field(repr=False)
-    moulded: Array = field(repr=False)
 
     @property
     def inner_faces(self) -> int:
@@ -90,43 +88,26 @@ class LiquidMesh:
         return np.setdiff1d(self.faces[self.shell], self.patch_points)
 
 
-def ball(cells: int) -> LiquidMesh:
-    """The finest cubed ball of at most ``cells`` cells: n even, m = 0.8 n."""
-    points, hexes = _blocks(*_divisions(cells, 1.0, 0.8))
-    mesh = _assemble(points, hexes, top=1e-9)
-    return replace(mesh, moulded=mesh.points[mesh.patch_points])
-
-
 def half_ball(cells: int) -> LiquidMesh:
-    """The finest lower half of a cubed ball of at most ``cells`` cells: n even, m = 0.65 n.
-
-    A point of the flat top at the distance r from the axis is moulded at the polar angle r pi/2.
-    """
-    points, hexes = _blocks(*_divisions(cells, 0.5, 0.65))
+    """The finest lower half of a cubed ball of at most ``cells`` cells: n even, m = 0.65 n."""
+    points, hexes = _blocks(*_divisions(cells))
     hexes = hexes[points[hexes].mean(axis=1)[:, 2] < 0]
     used = np.unique(hexes)
-    mesh = _assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
-    disc = mesh.points[mesh.patch_points]
-    distance = np.linalg.norm(disc, axis=1)
-    angle = distance * np.pi / 2
-    moulded = disc * (np.sin(angle) / np.maximum(distance, 1e-12))[:, None]
-    moulded[:, 2] = np.cos(angle)
-    moulded[mesh.rim, 2] = 0.0
-    return replace(mesh, moulded=moulded)
+    return _assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
 
 
-def _divisions(cells: int, part: float, layers: float) -> tuple[int, int]:
-    """n and m = ``layers`` n of the finest mesh with ``part`` (n^3 + 6 n^2 m) <= ``cells``."""
+def _divisions(cells: int) -> tuple[int, int]:
+    """n and m = 0.65 n of the finest mesh with (n^3 + 6 n^2 m) / 2 <= ``cells``."""
 
-    def size(n: int) -> float:
-        return part * (n**3 + 6 * n * n * round(layers * n))
+    def size(n: int) -> int:
+        return (n**3 + 6 * n * n * round(LAYERS * n)) // 2
 
     n = 2
     if size(n) > cells:
-        raise ValueError(f"the coarsest mesh has {size(n):.0f} cells, got {cells}")
+        raise ValueError(f"the coarsest mesh has {size(n)} cells, got {cells}")
     while size(n + 2) <= cells:
         n += 2
-    return n, round(layers * n)
+    return n, round(LAYERS * n)
 
 
 def _assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
@@ -152,7 +133,6 @@ def _assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
         cells=len(hexes),
         diaphragm_faces=len(patches[0]),
         hexes=hexes,
-        moulded=np.empty((0, 3)),
     )
 
 

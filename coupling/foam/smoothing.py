@@ -1,7 +1,7 @@
 """Interior points of the flow's mesh as the rest state of an elastic solid that cannot invert.
 
 Every corner of every hexahedron is a small neo-Hookean body whose natural shape is that of the
-reference ball (Garanzha et al., ACM Trans. Graph. 40, 2021, without their untangling): energy
+reference half ball (Garanzha et al., ACM Trans. Graph. 40, 2021, without their untangling): energy
 f/(3 d^(2/3)) + VOLUME (d/s + s/d)/2 with f = |T|^2, d = det T of the corner's map T from the
 reference and s the mean change of volume. It rises without bound as a corner flattens, so that a
 mesh which starts valid stays valid wherever the boundary allows one.

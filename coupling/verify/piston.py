@@ -127,7 +127,7 @@ def column_mesh(cells: int) -> LiquidMesh:
     points = points.reshape(-1, 3)
     # What lies above 0.5 is the patch: of the distances from the middle these are the ends alone.
     mesh = _assemble(np.abs(points), np.stack(corners, axis=-1).reshape(-1, 8), top=0.5 - 1e-9)
-    return replace(mesh, points=points, moulded=points[mesh.patch_points])
+    return replace(mesh, points=points)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from coupling.foam.mesh import LiquidMesh, _assemble
@@ -26,8 +24,7 @@ def prism_mesh(cells: int, depth: float) -> LiquidMesh:
     hexes = [
         np.concatenate([quads + (k + 1) * count, quads + k * count], axis=1) for k in range(layers)
     ]
-    mesh = _assemble(_stacked(plan, depth, layers), np.concatenate(hexes), top=-1e-9)
-    return replace(mesh, moulded=mesh.points[mesh.patch_points])
+    return _assemble(_stacked(plan, depth, layers), np.concatenate(hexes), top=-1e-9)
 
 
 def _layers(faces: Ints, depth: float) -> int:

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from coupling.foam.geometry import swept_volumes
-from coupling.foam.mesh import ball
+from coupling.foam.mesh import half_ball
 from coupling.interface import cross, pressure_force, swept_gradient
 
 
 @pytest.fixture(scope="module")
 def patch():
     """Points (p, 3) and faces (F, 4) of a curved patch with warped faces."""
-    mesh = ball(400)
+    mesh = half_ball(400)
     points = mesh.points[mesh.patch_points] * (0.4, 0.5, 0.3)
     return points + 0.01 * np.sin(7 * points[:, [1, 2, 0]]), mesh.patch_faces
 
@@ -32,7 +32,7 @@ def test_force_is_the_transpose_of_the_swept_volume(patch):
 
 def test_force_of_one_pressure_is_that_of_the_rim_alone(patch):
     # The area of a patch depends on its rim only: a uniform pressure on a closed shape adds to 0.
-    mesh = ball(400)
+    mesh = half_ball(400)
     boundary = mesh.faces[mesh.inner_faces :]
     force = pressure_force(mesh.points, boundary, np.ones(len(boundary)))
     assert np.abs(force.sum(axis=0)).max() < 1e-13

@@ -13,7 +13,7 @@ from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.added_mass import added_mass
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.geometry import cell_geometry, fan_volume, non_orthogonality
-from coupling.foam.mesh import ball, half_ball
+from coupling.foam.mesh import half_ball
 from coupling.foam.process import find_openfoam, run_program
 from coupling.interface import pressure_force
 
@@ -22,15 +22,17 @@ pytestmark = pytest.mark.openfoam
 RADIUS, DENSITY, STEP = 0.4445, 1000.0, 0.005
 
 
-def flow_at_rest(folder, topology, cells, viscosity=1e-6, openfoam=None):
-    """A flow below a dome (ball) or a disc (half ball), written to ``folder``."""
-    mesh = topology(cells)
+def flow_at_rest(folder, cells, viscosity=1e-6, openfoam=None):
+    """A flow below a dome, written to ``folder``."""
+    mesh = half_ball(cells)
     flow = OpenFoamFlow(
         folder, mesh, openfoam=openfoam or find_openfoam(), radius=RADIUS, density=DENSITY,
         viscosity=viscosity, timeout=60.0,
     )  # fmt: skip
     points = RADIUS * mesh.points
-    patch = points[mesh.patch_points] * (1.0, 1.0, 0.6)
+    patch = points[mesh.patch_points].copy()
+    patch[:, 2] += 0.2 * (RADIUS - np.sum(patch[:, :2] ** 2, axis=1) / RADIUS)
+    patch[mesh.rim, 2] = 0.0
     outline = points.copy()
     outline[mesh.patch_points] = patch
     volume = fan_volume(outline[mesh.faces[mesh.inner_faces :]])
@@ -63,9 +65,9 @@ def figure(text, after):
     return float(text.split(after, 1)[1].split()[0].rstrip("."))
 
 
-@pytest.fixture(params=[(ball, 352), (half_ball, 176)], ids=["ball", "half_ball"])
+@pytest.fixture(params=[176, 540])
 def flow(request, tmp_path):
-    return flow_at_rest(tmp_path / "foam", *request.param)
+    return flow_at_rest(tmp_path / "foam", request.param)
 
 
 def test_check_mesh_finds_what_the_coupler_computes(flow):
@@ -171,7 +173,7 @@ def test_added_mass_of_a_moving_flow_is_that_of_the_steps_end(flow):
 def test_restarts_equal_one_continuous_run(tmp_path):
     # The interface moves for two steps and then stands still, so that one process can go on alone.
     # A thick liquid keeps a flow alive that depends on all that a restart must carry over.
-    flow = flow_at_rest(tmp_path / "foam", half_ball, 176, viscosity=1e-3)
+    flow = flow_at_rest(tmp_path / "foam", 176, viscosity=1e-3)
     for number, size in enumerate((2e-3, 4e-3)):
         flow.begin_step(number * STEP, STEP)
         flow.solve(moved(flow, size))

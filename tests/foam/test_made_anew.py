@@ -6,7 +6,6 @@ from test_case import RADIUS, STEP, flow_at_rest, moved
 
 from coupling.foam.fields import read_cells
 from coupling.foam.geometry import cell_geometry
-from coupling.foam.mesh import half_ball
 
 pytestmark = pytest.mark.openfoam
 
@@ -30,7 +29,7 @@ def displaced(flow):
 
 def run(folder, disturbed):
     """sum V U [m^4/s] after every step, the last pressure [Pa], the flow, its mesh in step 2."""
-    flow = flow_at_rest(folder, half_ball, 540)
+    flow = flow_at_rest(folder, 540)
     momentum, middle = [], flow.mesh_points
     for number, size in enumerate(SIZES):
         flow.begin_step(number * STEP, STEP)
@@ -67,7 +66,7 @@ def test_a_run_goes_on_from_a_mesh_made_anew(tmp_path):
     target = moved(flow, 16e-3)
     after = flow.solve(target)
     flow.accept_step()
-    other = flow_at_rest(tmp_path / "other", half_ball, 540)
+    other = flow_at_rest(tmp_path / "other", 540)
     other.restore(saved)
     other.begin_step(other.time, STEP)
     assert (other.points == saved["points"][other.mesh.patch_points]).all()

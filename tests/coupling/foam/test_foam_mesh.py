@@ -4,15 +4,13 @@ import numpy as np
 import pytest
 
 from coupling.foam.geometry import cell_geometry, fan_volume
-from coupling.foam.mesh import ball, half_ball
+from coupling.foam.mesh import half_ball
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
 
 
-@pytest.fixture(params=[(ball, 352), (ball, 1300), (half_ball, 176), (half_ball, 650)],
-                ids=lambda p: f"{p[0].__name__}{p[1]}")  # fmt: skip
+@pytest.fixture(params=[176, 650])
 def mesh(request):
-    topology, cells = request.param
-    return topology(cells)
+    return half_ball(request.param)
 
 
 def test_owner_is_the_lower_cell_and_order_is_upper_triangular(mesh):
@@ -56,17 +54,10 @@ def test_boundary_is_closed_and_its_patches_meet_at_the_rim(mesh):
     assert mesh.shell.stop == len(mesh.faces)
 
 
-def test_moulded_shape_is_the_unit_hemisphere(mesh):
-    assert np.linalg.norm(mesh.moulded, axis=1) == pytest.approx(1.0)
-    assert mesh.moulded[:, 2].min() == pytest.approx(0.0, abs=1e-12)
-    assert np.abs(mesh.moulded[mesh.rim] - mesh.points[mesh.patch_points][mesh.rim]).max() < 1e-12
-
-
-@pytest.mark.parametrize(("topology", "coarsest"), [(ball, 56), (half_ball, 16)])
-def test_too_few_cells_are_refused(topology, coarsest):
-    with pytest.raises(ValueError, match="coarsest mesh has"):
-        topology(coarsest // 2)
-    assert topology(352).cells <= 352
+def test_too_few_cells_are_refused():
+    with pytest.raises(ValueError, match="coarsest mesh has 16 cells, got 8"):
+        half_ball(8)
+    assert half_ball(352).cells == 176
 
 
 def test_interior_follows_linearly():
