@@ -1,56 +1,118 @@
-"""The four coupling schemes on the same violent start: iterations, failures, wall time.
+"""The coupling schemes on pad sway: iterations, failures and wall time, as markdown tables.
 
-python tests/benchmarks/schemes.py [SECONDS] prints one table for the first SECONDS (default 0.2) of
-foam_cases/pad_sway_coarse at the scene's own tolerance. Wall times are of one run on a shared
-machine: read their ratios.
+    python tests/benchmarks/schemes.py [--seconds 0.2] [--long 1.6] [--tables steps,long,masses]
+
+``steps``: every scheme at three steps and two fills over the first SECONDS of
+foam_cases/pad_sway_coarse, to the scene's own tolerance; ``long``: the added-mass scheme alone over
+LONG seconds, to where the diaphragm is thrown about; ``masses``: every scheme with a diaphragm of
+0.01 to 100 times its density, over SECONDS. Wall times are of one run on whatever else the machine
+does: read their ratios. All three take hours where no solver has been built that stays alive.
 """
 
 # ruff: noqa: E402
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
-
-from rich.console import Console
-from rich.table import Table
 
 from coupling.driver import run
 from coupling.scene import load_scene
 
 SCENE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"
 SCHEMES = ("added-mass", "iqn-ils", "aitken", "fixed-point")
+STEPS, FILLS = (0.01, 0.005, 0.0025), (0.8, 0.5)
+DENSITY, FACTORS = 1070.0, (0.01, 0.1, 1.0, 10.0, 100.0)
+PARTS = ("structure", "fluid", "mapping", "output")
+COLUMNS = (
+    "steps", "mean", "max", "unconverged", "wall ratio", *(f"{part} %" for part in PARTS), "ended",
+)  # fmt: skip
 
 
-def main(seconds: float) -> None:
-    """Run the schemes one after the other and print the table."""
-    table = Table("scheme", "steps", "mean", "max", "unconverged", "wall s", "ended")
+def solved(scheme: str, seconds: float, *settings: str) -> dict[str, Any]:
+    """Summary of the scene with ``scheme`` over ``seconds`` [s]."""
+    scene = load_scene(
+        SCENE,
+        [
+            f'coupling.scheme="{scheme}"',
+            f"time.duration={seconds}",
+            "coupling.max_iterations=60",
+            "coupling.max_unconverged=1000",
+            *settings,
+        ],
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        return run(scene, Path(folder))
+
+
+def head(*names: str) -> None:
+    """Head of a table."""
+    names = (*names, *COLUMNS)
+    print(f"\n| {' | '.join(names)} |\n|{'---|' * len(names)}", flush=True)
+
+
+def row(summary: dict[str, Any], wall: float, *names: object) -> None:
+    """A run's row; ``wall`` [s] a step of the run that it is measured by."""
+    coupling, spent = summary["coupling"], summary["wall_by_part"]
+    ended = "completed" if summary["status"] == "completed" else summary["error"].split(".")[0]
+    cells = (
+        *names,
+        summary["steps"],
+        f"{coupling['iterations_mean']:.2f}",
+        coupling["iterations_max"],
+        coupling["unconverged_steps"],
+        f"{pace(summary) / wall:.1f}" if summary["steps"] else "",
+        *(f"{100 * spent[part] / sum(spent.values()):.0f}" for part in PARTS),
+        ended,
+    )
+    print(f"| {' | '.join(map(str, cells))} |", flush=True)
+
+
+def pace(summary: dict[str, Any]) -> float:
+    """Wall time a step [s]."""
+    return float(sum(summary["wall_by_part"].values())) / max(summary["steps"], 1)
+
+
+def compared(seconds: float, settings: list[str], *names: object) -> None:
+    """Every scheme's row; walls over that of the first."""
+    first = None
     for scheme in SCHEMES:
-        scene = load_scene(
-            SCENE,
-            [
-                f'coupling.scheme="{scheme}"',
-                f"time.duration={seconds}",
-                "coupling.max_iterations=60",
-                "coupling.max_unconverged=1000",
-            ],
-        )
-        with tempfile.TemporaryDirectory() as folder:
-            summary = run(scene, Path(folder))
-        coupling = summary["coupling"]
-        table.add_row(
-            scheme,
-            str(summary["steps"]),
-            f"{coupling['iterations_mean']:.1f}",
-            str(coupling["iterations_max"]),
-            str(coupling["unconverged_steps"]),
-            f"{summary['wall_s']:.0f}",
-            summary["error"] or summary["status"],
-        )
-    Console(width=140).print(table)
+        summary = solved(scheme, seconds, *settings)
+        first = first or pace(summary)
+        row(summary, first, *names, scheme)
+
+
+def main() -> None:
+    """Print the tables asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=0.2)
+    parser.add_argument("--long", type=float, default=1.6)
+    parser.add_argument("--tables", default="steps,long,masses")
+    given = parser.parse_args()
+    if "steps" in given.tables:
+        head("fill", "step ms", "scheme")
+        for fill in FILLS:
+            for step in STEPS:
+                settings = [f"liquid.fill_fraction={fill}", f"time.step={step}"]
+                compared(given.seconds, settings, fill, 1000 * step)
+    if "long" in given.tables:
+        head("fill", "step ms")
+        for fill in FILLS:
+            first = None
+            for step in STEPS:
+                settings = [f"liquid.fill_fraction={fill}", f"time.step={step}"]
+                summary = solved("added-mass", given.long, *settings)
+                first = first or pace(summary)
+                row(summary, first, fill, 1000 * step)
+    if "masses" in given.tables:
+        head("density", "scheme")
+        for factor in FACTORS:
+            compared(given.seconds, [f"diaphragm.density={DENSITY * factor}"], f"x {factor:g}")
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]) if len(sys.argv) > 1 else 0.2)
+    main()
