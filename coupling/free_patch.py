@@ -2,7 +2,8 @@
 
 The patch ``diaphragm`` of the half ball lies on the free part of the sheet. Every one of its points
 keeps its place between the middle of the free part and the contact curve, in the moulded shape, so
-that it slides through the sheet as the curve moves; a step's map holds it where it will be. The rim
+that it slides through the sheet as the curve moves; a step's map holds it where it will be. Where
+the sheet is creased more sharply than the patch can follow, the patch cuts the crease off. The rim
 is the contact curve brought onto the shell. The shell's points lie on arcs from the pool's middle
 to the rim. Only swept volumes matter to the flow: where points slide along, nothing is swept.
 """
@@ -14,19 +15,22 @@ from collections.abc import Mapping
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.sparse import csr_array
 
 from coupling.contact_curve import ContactSearch
-from coupling.foam.geometry import fan_volume
+from coupling.foam.geometry import face_centres_and_areas, fan_volume
 from coupling.foam.mesh import LiquidMesh
 from coupling.interface import cross, swept_gradient
 from coupling.mapping import moving_least_squares
-from coupling.ports import Array, Structure, StructureState
+from coupling.ports import Array, Ints, Structure, StructureState
 from coupling.structure import liquid_cg
 
 WEDGE = math.tan(math.radians(15.0))  # least slope of the liquid's edge
 FILM = 0.02  # over R: the wedge's greatest depth
 LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
 BESIDE = 0.85  # of the contact curve, from where on the patch's share of the sheet is not all
+ROUNDS = 20  # of smoothing, at most
+FLAT, CREASED = 0.99, 0.9  # mean normal round a point: where rounding sets in, where it is full
 INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
 
 
@@ -44,6 +48,11 @@ class FreePatch:
         self._wall_azimuth = np.arctan2(wall[:, 1], wall[:, 0])
         rim = np.flatnonzero(mesh.rim)
         self._rim = rim[np.argsort(self._azimuth[rim])]
+        faces, count = mesh.patch_faces, len(disc)
+        self._around = _means(faces.ravel(), np.repeat(np.arange(len(faces)), 4), count)
+        edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
+        edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
+        self._beyond = _means(edges[:, 0], edges[:, 1], count)
         self.size = 1.0  # of the polyhedron that stands for the shell, over R
 
     def fit(self, state: StructureState, volume: float) -> None:
@@ -73,15 +82,35 @@ class FreePatch:
         self.weights = moving_least_squares(self._moulded, self.moulded)
         points = self.weights @ nodes
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
-        depth = np.minimum(FILM, WEDGE * (1.0 - self._reach) * edge)
-        most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
-        points *= np.minimum(1.0, most)[:, None]
         points[self._rim] = self.size * self.radius * rim
         self.weights[self._rim] = 0.0
+        points = self._rounded(points, nodes)
+        depth = np.minimum(FILM, WEDGE * (1.0 - self._reach) * edge)
+        most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
+        points[~self.mesh.rim] *= np.minimum(1.0, most)[~self.mesh.rim, None]
         self._offset = points - self.weights @ nodes
         self._beside = self._besides(nodes, points)
         centre = liquid_cg(nodes, self._triangles, self.radius, state.volume) / self.radius
         return self._wall(centre - [0.0, 0.0, LOW], rim)
+
+    def _rounded(self, points: Array, nodes: Array) -> Array:
+        """``points`` (p, 3) [m] with sharp creases rounded, and the weights with them.
+
+        A point gives way to the mean of its neighbours, the more the sharper the crease.
+        """
+        fixed = points - self.weights @ nodes
+        for _ in range(ROUNDS):
+            area = face_centres_and_areas(points[self.mesh.patch_faces])[1]
+            area /= np.linalg.norm(area, axis=1)[:, None]
+            flat = np.linalg.norm(self._around @ area, axis=1)  # 1, or less at a crease
+            share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0) ** 2
+            share = np.where(self.mesh.rim, 0.0, share)[:, None]
+            if not share.any():
+                break
+            self.weights = (1.0 - share) * self.weights + share * (self._beyond @ self.weights)
+            fixed = (1.0 - share) * fixed + share * (self._beyond @ fixed)
+            points = self.weights @ nodes + fixed
+        return points
 
     def _wall(self, middle: Array, rim: Array) -> Array:
         """Points (s, 3) [m] of the shell on arcs from the pool's middle to ``rim`` (r, 3)."""
@@ -145,3 +174,9 @@ class FreePatch:
             centre /= np.linalg.norm(centre, axis=1)[:, None]
             self._values = moving_least_squares(centre, self.free.within(self._moulded, INSET))
         return self._values @ values
+
+
+def _means(points: Ints, others: Ints, count: int) -> csr_array:
+    """Matrix (count, k) that gives every one of ``points`` the mean over its ``others``."""
+    share = 1.0 / np.bincount(points, minlength=count)[points]
+    return csr_array((share, (points, others)))

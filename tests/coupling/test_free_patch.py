@@ -9,7 +9,7 @@ from cloth.mesh import hemisphere
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import face_centres_and_areas
 from coupling.foam.mesh import half_ball
-from coupling.free_patch import BESIDE, FreePatch
+from coupling.free_patch import BESIDE, ROUNDS, FreePatch
 from coupling.interface import cross, pressure_force
 from coupling.numbers import level_of_fill_fraction
 
@@ -155,3 +155,23 @@ def test_sliding_sweeps_little_and_closes(sheet, mesh):
     across = np.linalg.norm(corner[:, [0, 1]] - corner[:, [2, 3]], axis=2).max()
     area = np.linalg.norm(face_centres_and_areas(corner)[1], axis=1)
     assert np.abs(swept[mesh.diaphragm_faces :] / area).max() < 2 * across**2 / (8 * RADIUS)
+
+
+def test_a_crease_is_rounded(sheet, mesh, monkeypatch):
+    """A fold pressed together, 0.3 R deep: the patch's faces stand back to back in it."""
+    state = at_rest(sheet, 0.5)
+    x, y, _ = state.position.T / RADIUS
+    inside = np.clip(1 - x**2 - y**2, 0, 1)
+    state.position[:, 2] -= 0.3 * RADIUS * np.exp(-(((x + 0.1) / 0.1) ** 2)) * inside
+    state.position[:, 0] -= np.where(np.abs(x + 0.1) < 0.2, 0.9 * RADIUS * (x + 0.1) * inside, 0)
+    skewed = []
+    for rounds in (0, ROUNDS):
+        monkeypatch.setattr("coupling.free_patch.ROUNDS", rounds)
+        mapping = FreePatch(mesh, sheet, radius=RADIUS)
+        mapping.fit(state, state.volume)
+        following = FollowingMesh(mesh, RADIUS)
+        shell = mapping.begin_step(state, 0.0)
+        following.place(mapping.to_flow(state.position), shell)
+        skewed.append(following.non_orthogonality_max)
+    assert skewed[1] < skewed[0] - 5.0
+    assert skewed[1] < 25.0
