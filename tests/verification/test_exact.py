@@ -30,16 +30,17 @@ def test_numbers():
     assert found["weber_max"] < 5e-3  # printed with three digits
 
 
-@pytest.mark.openfoam
-def test_rigid_body_limit():
-    found = errors(run_case("rigid"))
+@pytest.mark.parametrize(
+    "fluid", ["potential", pytest.param("openfoam", marks=pytest.mark.openfoam)]
+)
+def test_rigid_body_limit(fluid):
+    found = errors(run_case("rigid", {"fluid": fluid}))
     # No motion, no pressure: rounding alone. The contract's 1e-6 is met by far.
     assert found["dynamic_pressure"] < 1e-12
     assert found["force"] < 1e-12
 
 
-@pytest.mark.openfoam
-@pytest.mark.parametrize("case", ["rigid", "momentum", "slosh"])
+@pytest.mark.parametrize("case", ["rigid", "momentum", "slosh", "cylinder"])
 def test_other_fluids_are_refused(case):
     with pytest.raises(CaseError, match="fluid"):
         run_case(case, {"fluid": "datum"})
@@ -110,6 +111,15 @@ def test_momentum_within_the_grid_error():
     assert 0.02 < found["imbalance"] < 0.06
     # Without the grid's error: second order in the amplitude, tilt 2e-3.
     assert found["imbalance_of_cells"] < 1e-3
+
+
+def test_momentum_of_the_potential_liquid_within_the_error_of_its_triangles():
+    coarse, fine = (
+        errors(run_case("momentum", {"fluid": "potential", "resolution": str(rings)}))["imbalance"]
+        for rings in (12, 16)
+    )
+    assert np.log(coarse / fine) / np.log(16 / 12) > 1.6  # second order
+    assert fine < 2e-3
 
 
 def operator_error(cells):
