@@ -6,7 +6,8 @@
 foam_cases/pad_sway_coarse, to the scene's own tolerance; ``long``: the added-mass scheme alone over
 LONG seconds, to where the diaphragm is thrown about; ``masses``: every scheme with a diaphragm of
 0.01 to 100 times its density, over SECONDS. Wall times are of one run on whatever else the machine
-does: read their ratios. All three take hours where no solver has been built that stays alive.
+does: read their ratios, which leave settling out; the parts' shares have it in. All three take
+hours where no solver has been built that stays alive.
 """
 
 # ruff: noqa: E402
@@ -16,6 +17,7 @@ import argparse
 import sys
 import tempfile
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
@@ -45,8 +47,16 @@ def solved(scheme: str, seconds: float, *settings: str) -> dict[str, Any]:
             *settings,
         ],
     )
+    clock: list[float] = []
+
+    def progress(phase: str, *_: object) -> None:
+        if phase == "shake":  # once a step
+            clock.append(perf_counter())
+
     with tempfile.TemporaryDirectory() as folder:
-        return run(scene, Path(folder))
+        summary = run(scene, Path(folder), progress=progress)
+    pace = (clock[-1] - clock[0]) / (len(clock) - 1) if len(clock) > 1 else 0.0
+    return summary | {"pace": pace}
 
 
 def head(*names: str) -> None:
@@ -56,25 +66,21 @@ def head(*names: str) -> None:
 
 
 def row(summary: dict[str, Any], wall: float, *names: object) -> None:
-    """A run's row; ``wall`` [s] a step of the run that it is measured by."""
+    """A run's row; ``wall`` [s] is a step's of the run that it is measured by."""
     coupling, spent = summary["coupling"], summary["wall_by_part"]
-    ended = "completed" if summary["status"] == "completed" else summary["error"].split(".")[0]
+    ended = "completed" if summary["status"] == "completed" else summary["error"].split(". ")[0]
+    whole = sum(spent.values()) or 1.0
     cells = (
         *names,
         summary["steps"],
         f"{coupling['iterations_mean']:.2f}",
         coupling["iterations_max"],
         coupling["unconverged_steps"],
-        f"{pace(summary) / wall:.1f}" if summary["steps"] else "",
-        *(f"{100 * spent[part] / sum(spent.values()):.0f}" for part in PARTS),
+        f"{summary['pace'] / wall:.1f}" if summary["pace"] and wall else "",
+        *(f"{100 * spent[part] / whole:.0f}" for part in PARTS),
         ended,
     )
     print(f"| {' | '.join(map(str, cells))} |", flush=True)
-
-
-def pace(summary: dict[str, Any]) -> float:
-    """Wall time a step [s]."""
-    return float(sum(summary["wall_by_part"].values())) / max(summary["steps"], 1)
 
 
 def compared(seconds: float, settings: list[str], *names: object) -> None:
@@ -82,7 +88,7 @@ def compared(seconds: float, settings: list[str], *names: object) -> None:
     first = None
     for scheme in SCHEMES:
         summary = solved(scheme, seconds, *settings)
-        first = first or pace(summary)
+        first = summary["pace"] if first is None else first
         row(summary, first, *names, scheme)
 
 
@@ -106,7 +112,7 @@ def main() -> None:
             for step in STEPS:
                 settings = [f"liquid.fill_fraction={fill}", f"time.step={step}"]
                 summary = solved("added-mass", given.long, *settings)
-                first = first or pace(summary)
+                first = summary["pace"] if first is None else first
                 row(summary, first, fill, 1000 * step)
     if "masses" in given.tables:
         head("density", "scheme")
