@@ -17,8 +17,6 @@ from coupling.scene import Scene
 from coupling.strength import burst_warning
 from coupling.verify import VerifyResult
 
-LOWEST_MESHED_FILL = 0.25  # of the settled diaphragm at 400 cells and 12 rings
-
 
 def print_json(value: Mapping[str, Any]) -> None:
     """Print ``value`` on stdout as JSON; numbers that JSON does not know become null."""
@@ -173,11 +171,6 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
     burst = burst_warning(scene)
     if burst is not None:
         print(burst)
-    if scene.liquid.fill_fraction < LOWEST_MESHED_FILL:
-        print(
-            f"openfoam: below a fill fraction of {LOWEST_MESHED_FILL:g} no mesh has been found at "
-            "rest; the rim of the liquid would have to leave the equator."
-        )
     print(f"advised: {numbers.advised} (the scene says {scene.model.fluid})")
 
 
