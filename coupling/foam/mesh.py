@@ -93,7 +93,7 @@ def half_ball(cells: int) -> LiquidMesh:
     points, hexes = _blocks(*_divisions(cells))
     hexes = hexes[points[hexes].mean(axis=1)[:, 2] < 0]
     used = np.unique(hexes)
-    return _assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
+    return assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
 
 
 def _divisions(cells: int) -> tuple[int, int]:
@@ -110,8 +110,8 @@ def _divisions(cells: int) -> tuple[int, int]:
     return n, round(LAYERS * n)
 
 
-def _assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
-    """Faces in OpenFOAM's order; boundary faces whose centre is above ``top`` are diaphragm."""
+def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
+    """Mesh of ``points`` (P, 3), ``hexes`` (c, 8); border faces above z = ``top`` are diaphragm."""
     flat = hexes[:, _FACES].reshape(-1, 4)
     cell = np.repeat(np.arange(len(hexes)), 6)
     _, group, count = np.unique(

@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
 from coupling.fluids.openfoam import OpenFoamFlow
-from coupling.foam.mesh import LiquidMesh, _assemble
+from coupling.foam.mesh import LiquidMesh, assemble
 from coupling.foam.process import find_openfoam
 from coupling.mapping import Matching
 from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed
@@ -126,7 +126,7 @@ def column_mesh(cells: int) -> LiquidMesh:
     ]  # fmt: skip
     points = points.reshape(-1, 3)
     # What lies above 0.5 is the patch: of the distances from the middle these are the ends alone.
-    mesh = _assemble(np.abs(points), np.stack(corners, axis=-1).reshape(-1, 8), top=0.5 - 1e-9)
+    mesh = assemble(np.abs(points), np.stack(corners, axis=-1).reshape(-1, 8), top=0.5 - 1e-9)
     return replace(mesh, points=points)
 
 

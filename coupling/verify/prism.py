@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.foam.mesh import LiquidMesh, _assemble
+from coupling.foam.mesh import LiquidMesh, assemble
 from coupling.ports import Array, Ints
 from coupling.verify.disc import disc_grid
 
@@ -24,7 +24,7 @@ def prism_mesh(cells: int, depth: float) -> LiquidMesh:
     hexes = [
         np.concatenate([quads + (k + 1) * count, quads + k * count], axis=1) for k in range(layers)
     ]
-    return _assemble(_stacked(plan, depth, layers), np.concatenate(hexes), top=-1e-9)
+    return assemble(_stacked(plan, depth, layers), np.concatenate(hexes), top=-1e-9)
 
 
 def _layers(faces: Ints, depth: float) -> int:
