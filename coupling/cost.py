@@ -9,10 +9,10 @@ from cloth.load import DRY, WET
 from coupling.scene import Scene
 
 # Seconds: an inner iteration of a cloth of 24 rings, all of a step's overhead spread over ten;
-# a settling's inner iterations; one coupled step on 1300 cells. Solves a step of a potential liquid.
+# a settling's inner iterations; one coupled step on 1300 cells; solves of a step with a potential.
 _CLOTH_ITERATION = 6e-4
 _SETTLING = 10000
-_FLOW_STEP = 0.5
+_FLOW_STEP = 0.15
 _POTENTIAL_SOLVES = 1.6
 
 
