@@ -202,7 +202,7 @@ class _Run:
         state = self.cloth.state
         dynamic, metrics = np.zeros(len(state.position)), {}
         if isinstance(self.step, PotentialStep):
-            metrics = liquid_metrics(liquid)
+            metrics = liquid_metrics(liquid) | {"energy_removed": self.step.energy_removed}
             if liquid is not None:
                 dynamic = self.step.liquid.to_nodes(state.position) @ liquid.face_pressure
         elif isinstance(self.step, CoupledStep):

@@ -133,6 +133,11 @@ class PotentialStep:
         shapes, self._shapes = self._shapes, 0
         return self._sample, shapes, self._residual
 
+    @property
+    def energy_removed(self) -> float:
+        """Energy [J] that time stepping made and that was taken out of the liquid, so far."""
+        return float(self._now["removed"][0])
+
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""
         return dict(self._now)

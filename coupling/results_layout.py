@@ -36,6 +36,7 @@ METRIC_UNITS = {
     "speed_max": "m/s",
     "dphi_dt_max": "m^2/s^2",
     "kinetic_energy": "J",
+    "energy_removed": "J",
     "non_orthogonality_max": "deg",
     "volume_error": "-",
     "continuity_error": "-",
