@@ -166,7 +166,7 @@ WRONG = {
     "unknown fluid": (
         nothing,
         "run case --set model.fluid=magic",
-        'must be one of "datum", "hydrostatic", "openfoam", got "magic"',
+        'must be one of "datum", "hydrostatic", "potential", "openfoam", got "magic"',
     ),
     "fluid of a later version": (nothing, "run case --set model.fluid=auto", 'got "auto"'),
     "unknown study model": (nothing, "study case --models datum,magic", "got 'datum,magic'"),
