@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cloth.load import DRY, WET
+from cloth.load import DRY, WET, WET_LONG_WAVES
 from cloth.mesh import hemisphere
 from cloth.settle import settle
 from cloth.step import Cloth
@@ -57,6 +57,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
             strain=cloth.strain_limit,
             step=min(STEP, scene.time.step),
         )
+    wet = WET_LONG_WAVES if scene.model.fluid == "potential" else WET
     stated: dict[str, Any] = {
         "bending_damping": cloth.bending_damping,
         "drag": cloth.drag,
@@ -76,7 +77,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         elastic=not scene.diaphragm.inextensible,
         self_contact=True,
         dry=replace(DRY, **stated),
-        wet=replace(WET, **stated),
+        wet=replace(wet, **stated),
         **stiffness,
     )
 
