@@ -89,6 +89,6 @@ WET = Settings(
     iterations=20,
     iterations_max=400,
 )
-# For the inertia of a liquid that has none for short waves: penalties by the sheet's own mass, as
-# above, let violent sway at low fill diverge. With all waves' inertia these would be slow.
-WET_LONG_WAVES = replace(WET, penalty=6e4, contact_weight=20.0)
+# For the inertia of a smooth potential. A shell that goes by the sheet's own mass, as above, lets
+# violent sway at low fill diverge.
+WET_LONG_WAVES = replace(WET, contact_weight=30.0)
