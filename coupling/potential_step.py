@@ -29,7 +29,7 @@ _NAMES = (
 
 
 class PotentialStep:
-    """Steps ``structure`` on ``volume`` [m^3] of ``liquid`` in a shell of ``radius`` [m].
+    """Steps ``structure`` on ``liquid`` in a shell of ``radius`` [m].
 
     ``backward`` in time, as the structure: dphi/dt at fixed places is the same formula for the
     polynomial's coefficients. In a step's shape x* they follow from the nodes' velocities, c = A v,
@@ -52,7 +52,11 @@ class PotentialStep:
         self._now: dict[str, Array] = dict(zip(_NAMES, (*still, *still, *rest), strict=True))
 
     def attempt(self, dt: float, load: HydrostaticLoad) -> bool:
-        """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError."""
+        """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError.
+
+        A shape missed by more than ``SHAPE`` even the second time is no failure, since the first,
+        extrapolated one is of second order; ``told`` says by how much.
+        """
         try:
             self._solve(dt, load)
         except ArithmeticError:
