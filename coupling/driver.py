@@ -89,7 +89,9 @@ class _Run:
             _log.warning("%s The run goes on with a sheet that cannot.", self.burst)
         self.progress("settle", 0.0, self.scene.time.settle, "the diaphragm sinks to its level")
         clock = perf_counter()
-        settle_diaphragm(self.cloth, self.scene, self._load(0.0, at_rest=True))
+        self.tally.statistics.settle_change = settle_diaphragm(
+            self.cloth, self.scene, self._load(0.0, at_rest=True)
+        )
         self.tally.seconds("structure", clock)
         self.progress("settle", self.scene.time.settle, self.scene.time.settle, "settled")
         self._couple()

@@ -275,7 +275,8 @@ class RunStatistics:
     """What a run counts as it goes; becomes part of ``summary.json``.
 
     Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
-    whether the flow's solver stayed alive or was restarted.
+    whether the flow's solver stayed alive or was restarted; ``settle_change`` [m]: rms motion that
+    the last pseudo-step of settling left.
     """
 
     steps: int = 0
@@ -292,6 +293,7 @@ class RunStatistics:
     iterations_max: int = 0
     unconverged_steps: int = 0
     flow_solver: str | None = None
+    settle_change: float | None = None
     halved_steps: int = 0
     speed_max: float | None = None
     dphi_dt_max: float | None = None

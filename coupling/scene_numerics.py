@@ -117,6 +117,13 @@ class Time(Section):
     """Steps and output. Time 0 is the settled state; the shaking starts there."""
 
     settle: float = Field(default=1.0, ge=0, description="largest pseudo-time of settling [s]")
+    settle_tolerance: float = Field(
+        default=4e-7,
+        gt=0,
+        lt=0.1,
+        description="motion that settling may leave, in radii a pseudo-step; more than the "
+        "default starts a sheet that never comes to rest (heavy, or with its folds resolved)",
+    )
     duration: float = Field(gt=0, description="simulated time after settling [s]")
     step: float = Field(default=0.005, gt=0, description="time step [s]")
     output_every: int = Field(default=4, ge=1, description="number of steps between outputs")

@@ -82,12 +82,13 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
     )
 
 
-def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> None:
+def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> float | None:
     """Bring ``cloth`` to rest under ``load``, by way of the scene's liquid volume.
 
-    Raises ``RunFailed`` where no equilibrium is found. The thesis' diaphragm runs ``time.settle``
-    from its moulded shape instead, 1 s in the thesis, and whatever it has come to is taken for
-    its rest, velocities included.
+    Returns the rms motion [m] that the last pseudo-step left. Raises ``RunFailed`` where no
+    equilibrium is found. The thesis' diaphragm runs ``time.settle`` from its moulded shape instead,
+    1 s in the thesis, and whatever it has come to is taken for its rest, velocities included: then
+    None is returned.
     """
     if isinstance(cloth, ThesisSheet):
         if scene.time.settle > 0.0:
@@ -95,19 +96,22 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> N
             cloth.solve(np.zeros_like(cloth.reference))
             cloth.accept_step()
         cloth.held = scene.diaphragm.held
-        return
+        return None
     assert isinstance(cloth, Cloth)
     filled = replace(load, volume=scene.liquid_volume, datum=None)
     steps = max(10, round(FILLING_STEPS_PER_SECOND * scene.time.settle))
-    outcome = settle(cloth, filled, ramp_steps=steps)
+    tolerance = scene.time.settle_tolerance
+    outcome = settle(cloth, filled, ramp_steps=steps, tolerance=tolerance)
     if load.datum is not None:
-        outcome = settle(cloth, load)
+        outcome = settle(cloth, load, tolerance=tolerance)
     if not outcome.converged:
         raise RunFailed(
             f"settling: the diaphragm still moves by {outcome.change:.1e} m a step after "
-            f"{outcome.steps} steps. Raise time.settle, or lower cloth.resolution."
+            f"{outcome.steps} steps. Raise time.settle, lower cloth.resolution, or let it start "
+            f"so: time.settle_tolerance = {2.0 * outcome.change / scene.tank.radius:.0e}."
         )
     cloth.held = scene.diaphragm.held
+    return outcome.change
 
 
 class Step(Protocol):

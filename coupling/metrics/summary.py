@@ -49,6 +49,7 @@ def summarise(
         "stress_max_Pa": statistics.stress_max,
         "would_burst": None if strength is None else stress_estimate(scene) > strength,
         "rubbing": _rubbing(results),
+        "settle_change_m": statistics.settle_change,
         "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,
         "coupling": {

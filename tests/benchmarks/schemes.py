@@ -29,6 +29,7 @@ SCENE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"
 SCHEMES = ("added-mass", "iqn-ils", "aitken", "fixed-point")
 STEPS, FILLS = (0.01, 0.005, 0.0025), (0.8, 0.5)
 DENSITY, FACTORS = 1070.0, (0.01, 0.1, 1.0, 10.0, 100.0)
+MOVING = 1e-3  # radii a pseudo-step: a sheet heavier than its liquid sinks in folds without end
 PARTS = ("structure", "fluid", "mapping", "output")
 COLUMNS = (
     "steps", "mean", "max", "unconverged", "wall ratio", *(f"{part} %" for part in PARTS), "ended",
@@ -117,7 +118,8 @@ def main() -> None:
     if "masses" in given.tables:
         head("density", "scheme")
         for factor in FACTORS:
-            compared(given.seconds, [f"diaphragm.density={DENSITY * factor}"], f"x {factor:g}")
+            heavier = [f"diaphragm.density={DENSITY * factor}", f"time.settle_tolerance={MOVING}"]
+            compared(given.seconds, heavier, f"x {factor:g}")
 
 
 if __name__ == "__main__":

@@ -133,5 +133,19 @@ def test_says_when_no_rest_is_found():
         settle_diaphragm(cloth, chosen.model_copy(update={"liquid": _fuller(chosen)}), load)
 
 
+def test_a_sheet_that_never_rests_can_start_as_it_creeps():
+    # Ten times as heavy as its liquid it sinks in ever new folds.
+    heavy = {"density": 10700.0, "youngs_modulus": 8.6e6, "poisson_ratio": 0.5}
+    chosen = scene(
+        diaphragm=heavy | {"thickness": 0.001778}, time={"duration": 0.1, "settle_tolerance": 1e-3}
+    )
+    cloth = diaphragm_of(chosen)
+    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    change = settle_diaphragm(cloth, chosen, load)
+    assert change is not None
+    assert 4e-7 * RADIUS < change <= 1e-3 * RADIUS
+    assert np.abs(cloth.state.velocity).max() == 0.0
+
+
 def _fuller(chosen):
     return chosen.liquid.model_copy(update={"fill_fraction": 1.02})

@@ -76,8 +76,9 @@ def test_results_of_a_killed_run_open(killed):
         assert all(len(file[name]) == count for name in ("liquid/cg", "diaphragm/position"))
     with meshio.xdmf.TimeSeriesReader(str(killed / "results.xdmf")) as reader:
         reader.read_points_cells()
-        assert reader.num_steps == count
-        for step in range(count):
+        # results.h5 is written first: a kill in between leaves its last instants without a name
+        assert 1 <= reader.num_steps <= count
+        for step in range(reader.num_steps):
             reader.read_data(step)
 
 
