@@ -206,7 +206,8 @@ class Motion(Section):
     """How the tank's centre moves from time 0 on, when the diaphragm has settled.
 
     ``sine``: amplitude * s(t) * sin(2 pi frequency t) along ``direction``, with s a smooth ramp
-    over ``ramp`` periods. ``table``: accelerations from a CSV file. ``rest``: none.
+    over ``ramp`` periods. Its ``acceleration`` A (2 pi frequency)^2 can be given in place of the
+    amplitude A, which then stands for it. ``table``: accelerations from a CSV file. ``rest``: none.
     """
 
     kind: Literal["sine", "table", "rest"] = Field(
@@ -214,13 +215,40 @@ class Motion(Section):
     )
     frequency: float | None = Field(default=None, gt=0, description="frequency [Hz]")
     amplitude: float | None = Field(
-        default=None, ge=0, description="displacement, centre to peak [m]"
+        default=None,
+        ge=0,
+        description="displacement, centre to peak [m]",
+        json_schema_extra={"instead": "the peak acceleration [m/s^2]"},
+    )
+    acceleration: float | None = Field(
+        default=None, ge=0, description="peak acceleration of the sine [m/s^2]"
     )
     direction: Vector = Field(default=(1.0, 0.0, 0.0), description="direction of the shaking")
     ramp: float = Field(default=1.0, ge=0, description="smooth start in periods, 0 for none")
     file: str | None = Field(
         default=None, description="CSV file with columns time, ax, ay, az (s, m/s^2)"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _amplitude_of_acceleration(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or given.get("acceleration") is None:
+            return given
+        acceleration, frequency = given["acceleration"], given.get("frequency")
+        problem = ""
+        if given.get("amplitude") is not None:
+            problem = f"got {acceleration} beside an amplitude. Leave one of the two out."
+        elif given.get("kind") != "sine":
+            problem = f'got {acceleration} without a sine. Take kind = "sine", or leave it out.'
+        if problem:
+            raise PydanticCustomError(
+                "cross_check", "{problems}", {"problems": f"motion.acceleration: {problem}"}
+            )
+        if not (isinstance(acceleration, int | float) and isinstance(frequency, int | float)):
+            return given  # what is wrong with either is said of it
+        rest = {key: value for key, value in given.items() if key != "acceleration"}
+        omega = 2.0 * np.pi * frequency
+        return rest | {"amplitude": float(acceleration / omega**2) if omega else 0.0}
 
     @property
     def unit_direction(self) -> Array:

@@ -309,3 +309,33 @@ def test_files_that_cannot_be_read(folder: Path, tmp_path: Path):
     for text in ("radius", "=3", ".a=3", "title.a=3"):
         file.write_text(PAD_SWAY)
         assert problems(folder, text)[0].startswith(f"--set {text}:")
+
+
+def test_a_peak_acceleration_stands_for_the_amplitude(folder: Path):
+    text = (folder / "scene.toml").read_text()
+    by_amplitude = load_scene(folder)
+    omega = 2.0 * math.pi * by_amplitude.motion.frequency
+    line = f"amplitude = {by_amplitude.motion.amplitude}"
+    assert line in text
+    peak = by_amplitude.motion.amplitude * omega**2
+    (folder / "scene.toml").write_text(text.replace(line, f"acceleration = {peak!r}"))
+    by_acceleration = load_scene(folder)
+    # one division and one product more: two roundings
+    assert by_acceleration.motion.amplitude == pytest.approx(
+        by_amplitude.motion.amplitude, rel=4e-16
+    )
+    assert scene_from(tomllib.loads(scene_toml(by_acceleration))) == by_acceleration
+    faster = load_scene(folder, ["motion.frequency=5.0"])
+    assert faster.motion.amplitude == pytest.approx(peak / (10.0 * math.pi) ** 2, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (["motion.acceleration=1.0"], "motion.acceleration: got 1.0 beside an amplitude"),
+        (["motion.kind=rest", "motion.acceleration=1.0"], "motion.acceleration: got 1.0"),
+    ],
+)
+def test_an_acceleration_that_cannot_be_taken_is_told(folder: Path, changes, said):
+    (line,) = problems(folder, *changes)
+    assert said in line
