@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 from coupling.scene_checks import problems_between
 from coupling.scene_errors import SceneError, problems_of
 from coupling.scene_numerics import Cloth, Coupling, OpenFoam, Potential, Time
+from coupling.scene_periods import in_seconds
 from coupling.scene_sections import Diaphragm, Liquid, Model, Motion, Section, Tank, Vector
 from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_file
 
@@ -67,6 +68,11 @@ class Scene(Section):
         """Of a sinusoidal motion [s]; None for any other."""
         frequency = self.motion.frequency
         return 1.0 / frequency if self.motion.kind == "sine" and frequency else None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _time_in_seconds(cls, given: Any) -> Any:
+        return in_seconds(given) if isinstance(given, dict) else given
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coupling.motion_table import read_motion_table
-from coupling.scene_numerics import MOST_RINGS
+from coupling.scene_numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene_sections import Motion
 from coupling.table_file import TableError
 from coupling.wrinkles import (
@@ -21,7 +21,6 @@ from coupling.wrinkles import (
 if TYPE_CHECKING:
     from coupling.scene import Scene
 
-STEPS_PER_PERIOD = 20
 THICKNESS_OVER_RADIUS = 0.05
 
 
@@ -149,10 +148,10 @@ def _check_time(scene: Scene) -> list[str]:
             f"time.duration: must be at least time.step ({time.step:g} s), got {time.duration:g}. "
             "Give a longer duration, or a smaller step."
         )
-    longest = None if scene.period is None else scene.period / STEPS_PER_PERIOD
+    longest = None if scene.period is None else scene.period / FEWEST_STEPS_A_PERIOD
     if longest is not None and time.step > longest * (1.0 + 1e-9):
         problems.append(
-            f"time.step: must be at most 1/{STEPS_PER_PERIOD} of the motion's period "
+            f"time.step: must be at most 1/{FEWEST_STEPS_A_PERIOD} of the motion's period "
             f"({longest:.4g} s), got {time.step:g}. Give a smaller step."
         )
     return problems

@@ -14,6 +14,7 @@ from coupling.scene_sections import Section
 
 MOST_RINGS = 200
 MOST_PROCESSORS = 256
+FEWEST_STEPS_A_PERIOD = 20
 
 
 class Cloth(Section):
@@ -114,7 +115,11 @@ class Coupling(Section):
 
 
 class Time(Section):
-    """Steps and output. Time 0 is the settled state; the shaking starts there."""
+    """Steps and output. Time 0 is the settled state; the shaking starts there.
+
+    ``periods`` and ``steps_per_period`` may be given in place of ``duration`` and ``step``. The
+    scene turns them into those two (``scene_periods``), so they are None in every valid scene.
+    """
 
     settle: float = Field(default=1.0, ge=0, description="largest pseudo-time of settling [s]")
     settle_tolerance: float = Field(
@@ -124,11 +129,23 @@ class Time(Section):
         description="motion that settling may leave, in radii a pseudo-step; more than the "
         "default starts a sheet that never comes to rest (heavy, or with its folds resolved)",
     )
-    duration: float = Field(gt=0, description="simulated time after settling [s]")
+    duration: float = Field(
+        gt=0,
+        description="simulated time after settling [s]",
+        json_schema_extra={"instead": "the periods of a sine to simulate"},
+    )
     step: float = Field(default=0.005, gt=0, description="time step [s]")
     output_every: int = Field(default=4, ge=1, description="number of steps between outputs")
     checkpoint_every: int = Field(
         default=50, ge=1, description="number of steps between checkpoints"
+    )
+    periods: float | None = Field(
+        default=None, gt=0, description="number of the sine's periods to simulate"
+    )
+    steps_per_period: int | None = Field(
+        default=None,
+        ge=FEWEST_STEPS_A_PERIOD,
+        description=f"number of steps in a period of the sine, {FEWEST_STEPS_A_PERIOD} or more",
     )
 
     @property

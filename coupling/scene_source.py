@@ -16,6 +16,10 @@ _REPLACED_BY: dict[tuple[str, ...], tuple[str, ...]] = {
     ("diaphragm", "material"): ("density", "youngs_modulus", "poisson_ratio", "strength"),
     ("diaphragm", "thickness"): ("thickness_map",),
     ("diaphragm", "thickness_map"): ("thickness",),
+    ("time", "duration"): ("periods",),
+    ("time", "periods"): ("duration",),
+    ("time", "step"): ("steps_per_period",),
+    ("time", "steps_per_period"): ("step",),
 }
 
 

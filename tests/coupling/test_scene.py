@@ -13,6 +13,7 @@ from coupling.scene import (
     Scene,
     SceneError,
     load_scene,
+    same_content,
     scene_from,
     scene_toml,
     with_overrides,
@@ -339,3 +340,45 @@ def test_a_peak_acceleration_stands_for_the_amplitude(folder: Path):
 def test_an_acceleration_that_cannot_be_taken_is_told(folder: Path, changes, said):
     (line,) = problems(folder, *changes)
     assert said in line
+
+
+IN_PERIODS = PAD_SWAY.replace("duration = 10.0", "periods = 6\nsteps_per_period = 60")
+
+
+def test_periods_and_steps_per_period_follow_the_frequency(folder: Path, tmp_path: Path):
+    (folder / "scene.toml").write_text(IN_PERIODS)
+    for frequency in (1.25, 0.1, 0.7):
+        scene = load_scene(folder, [f"motion.frequency={frequency}"])
+        assert scene.time.duration == pytest.approx(6.0 / frequency, rel=1e-15)
+        assert scene.time.step == pytest.approx(1.0 / (60.0 * frequency), rel=1e-15)
+        assert scene.time.steps == 360
+        assert (scene.time.periods, scene.time.steps_per_period) == (None, None)
+        assert scene_from(tomllib.loads(scene_toml(scene))) == scene
+        write_scene(scene, tmp_path)
+        assert same_content(load_scene(tmp_path), scene)
+
+
+def test_seconds_on_the_command_line_replace_periods(folder: Path):
+    (folder / "scene.toml").write_text(IN_PERIODS)
+    time = load_scene(folder, ["time.duration=2.0", "time.step=0.01"]).time
+    assert (time.duration, time.step) == (2.0, 0.01)
+    (folder / "scene.toml").write_text(PAD_SWAY)
+    assert load_scene(folder, ["time.periods=2.5"]).time.duration == 2.0
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (("periods = 6", "periods = 6\nduration = 1.0"), "Leave one of the two out."),
+        (("periods = 6", "periods = 6\nstep = 0.01"), "time.steps_per_period: stands in place of"),
+        (('"sine"', '"rest"'), 'time.periods: needs motion.kind = "sine". Give time.duration'),
+        (("frequency = 1.25\n", ""), "time.periods: needs a positive motion.frequency."),
+        (("= 60", "= 19"), "time.steps_per_period: must be at least 20, got 19."),
+        (("= 60", "= 60.5"), "time.steps_per_period: must be a whole number, got 60.5."),
+        (("= 6\n", "= -1\n"), "time.periods: must be positive, got -1."),
+        (("periods = 6", "period = 6"), "time.period: unknown key. Did you mean periods?"),
+    ],
+)
+def test_periods_that_cannot_be_used_are_refused(folder: Path, change: tuple[str, str], says: str):
+    (folder / "scene.toml").write_text(IN_PERIODS.replace(*change))
+    assert says in "\n".join(problems(folder))
