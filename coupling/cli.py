@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated
 
 import typer
 
+from coupling.cli_options import (
+    MODELS,
+    AsJson,
+    Changes,
+    Force,
+    Output,
+    RunFolder,
+    ScenePath,
+    chosen_models,
+    need_openfoam,
+    resumable,
+)
+from coupling.cli_sweep import sweep
 from coupling.exit_status import ExitStatus, guarded, run_app, stop
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
@@ -20,8 +31,7 @@ from coupling.run_folder import (
     default_folder,
     prepare_folder,
 )
-from coupling.scene import Scene, load_scene
-from coupling.scene_sections import Model
+from coupling.scene import load_scene
 from coupling.tables import (
     model_estimates,
     print_check,
@@ -33,7 +43,6 @@ from coupling.tables import (
 )
 from coupling.verify import CASES, option_pairs, run_all, run_case
 
-MODELS: tuple[str, ...] = get_args(Model.model_fields["fluid"].annotation)
 PICTURES = frozenset({".pdf", ".png", ".svg"})
 STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *MODELS})
 
@@ -43,41 +52,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-
-ScenePath = Annotated[
-    Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")
-]
-RunFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")]
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")
-]
-Changes = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene; may be repeated."),
-]
-Force = Annotated[bool, typer.Option("--force", help="Replace the run that the folder holds.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
-
-
-def _need_openfoam(scene: Scene, models: Sequence[str]) -> None:
-    """Find the flow solver before anything starts, where one is needed."""
-    if "openfoam" in models:
-        from coupling.foam.process import find_openfoam
-
-        chosen = scene.openfoam
-        find_openfoam(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
-
-
-@contextmanager
-def _resumable(folder: Path, again: str = "") -> Iterator[None]:
-    """Say how an interrupted run goes on: with the command ``again``, or from its checkpoint."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        if not again and (folder / "checkpoint.h5").is_file():
-            again = f"edt resume {folder}"
-        mend = f" Go on with: {again}" if again else ""
-        stop(f"{folder}: interrupted; what was computed is kept.{mend}", ExitStatus.INTERRUPTED)
+app.command()(sweep)
 
 
 @app.command()
@@ -91,12 +66,12 @@ def run(
 ) -> None:
     """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
     scene = load_scene(scene_path, changes or ())
-    _need_openfoam(scene, [scene.model.fluid])
+    need_openfoam(scene, [scene.model.fluid])
     folder = output or default_folder(scene_path)
     prepare_folder(folder, force=force)
     from coupling.driver import run as run_scene
 
-    with _resumable(folder), RunProgress() as progress:
+    with resumable(folder), RunProgress() as progress:
         summary = run_scene(scene, folder, progress=progress)
     _finish(summary, folder, as_json)
 
@@ -107,10 +82,10 @@ def resume(folder: RunFolder, as_json: AsJson = False) -> None:
     """Go on from the last checkpoint, with the results of a run that never stopped."""
     check_resumable(folder)
     scene = load_scene(folder)
-    _need_openfoam(scene, [scene.model.fluid])
+    need_openfoam(scene, [scene.model.fluid])
     from coupling.driver import resume as resume_run
 
-    with _resumable(folder), RunProgress() as progress:
+    with resumable(folder), RunProgress() as progress:
         summary = resume_run(folder, progress=progress)
     _finish(summary, folder, as_json)
 
@@ -146,30 +121,19 @@ def study(
     as_json: AsJson = False,
 ) -> None:
     """Run one scene on several fluid models: errors against the best, speed against error."""
-    chosen = _chosen_models(models)
+    chosen = chosen_models(models)
     scene = load_scene(scene_path, changes or ())
-    _need_openfoam(scene, chosen)
+    need_openfoam(scene, chosen)
     folder = output or default_folder(scene_path, "-study")
     prepare_folder(folder, force=force, study=STUDY_FILES)
     from coupling.study import run_study
 
-    with _resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
+    with resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
         outcome = run_study(scene, chosen, folder, progress=progress)
     if as_json:
         print_json(outcome)
     else:
         print_study(outcome, folder)
-
-
-def _chosen_models(listed: str) -> tuple[str, ...]:
-    chosen = tuple(name.strip() for name in listed.split(","))
-    unknown = [name for name in chosen if name not in MODELS]
-    if unknown or len(set(chosen)) < max(2, len(chosen)):
-        stop(
-            f"--models: must be two or more different ones of {', '.join(MODELS)}, got '{listed}'.",
-            ExitStatus.WRONG_INPUT,
-        )
-    return chosen
 
 
 @app.command()
@@ -181,7 +145,7 @@ def report(
         typer.Option("--picture", metavar="FILE", help="Write a picture of the run instead."),
     ] = None,
 ) -> None:
-    """Build report.html again from the files of a run or a study."""
+    """Build report.html again from the files of a run, a study or a sweep."""
     check_reportable(folder)
     from coupling.report import render_picture, write_report
 
@@ -189,7 +153,7 @@ def report(
         typer.echo(write_report(folder))
         return
     if not (folder / "results.h5").is_file():
-        stop(f"{folder}: is a study. Give the folder of one of its runs.", ExitStatus.WRONG_INPUT)
+        stop(f"{folder}: is no run. Give the folder of one of its runs.", ExitStatus.WRONG_INPUT)
     if picture.suffix not in PICTURES:
         known = ", ".join(sorted(PICTURES))
         stop(f"--picture: must end in {known}, got '{picture}'.", ExitStatus.WRONG_INPUT)
@@ -201,7 +165,7 @@ def report(
 def check(scene_path: ScenePath, changes: Changes = None, as_json: AsJson = False) -> None:
     """Check a scene; say how good each fluid model is for it and what it costs."""
     scene = load_scene(scene_path, changes or ())
-    _need_openfoam(scene, [scene.model.fluid])
+    need_openfoam(scene, [scene.model.fluid])
     numbers = numbers_of(scene)
     if as_json:
         print_json(

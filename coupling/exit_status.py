@@ -16,6 +16,7 @@ from coupling.foam.process import OpenFoamMissing
 from coupling.ports import RunFailed
 from coupling.run_folder import FolderError
 from coupling.scene import SceneError
+from coupling.sweep_plan import SweepError
 from coupling.verify import CaseError
 
 P = ParamSpec("P")
@@ -43,7 +44,7 @@ def guarded(verb: Callable[P, None]) -> Callable[P, None]:
     def guard(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             verb(*args, **kwargs)
-        except (SceneError, FolderError, CaseError, OpenFoamMissing) as error:
+        except (SceneError, SweepError, FolderError, CaseError, OpenFoamMissing) as error:
             stop(str(error), ExitStatus.WRONG_INPUT)
         except RunFailed as error:
             stop(str(error), ExitStatus.FAILED)

@@ -20,12 +20,14 @@ _LINES_EVERY = 30.0  # seconds
 
 
 class RunProgress:
-    """Context manager; call it with (stage, done, total, text), ``done`` and ``total`` in seconds.
+    """Context manager; call it with (stage, done, total, text).
 
+    ``done`` and ``total`` are in ``unit``: seconds, or whole things of that name.
     Outside a terminal a line appears when the stage changes, then every 30 seconds and at its end.
     """
 
-    def __init__(self, console: Console | None = None) -> None:
+    def __init__(self, console: Console | None = None, *, unit: str = "s") -> None:
+        self._unit, self._digits = unit, ".3f" if unit == "s" else "g"
         self._console = console or Console(stderr=True)
         self._bar: Progress | None = None
         self._task: TaskID | None = None
@@ -33,11 +35,12 @@ class RunProgress:
         self._last_line = 0.0
 
     def __enter__(self) -> Self:
+        digits = self._digits
         if self._console.is_terminal:
             self._bar = Progress(
                 TextColumn("{task.description}", markup=False),
                 BarColumn(),
-                TextColumn("{task.completed:.3f} / {task.total:.3f} s"),
+                TextColumn(f"{{task.completed:{digits}}} / {{task.total:{digits}}} {self._unit}"),
                 TextColumn("{task.fields[text]}", markup=False),
                 TimeElapsedColumn(),
                 TimeRemainingColumn(),
@@ -71,5 +74,6 @@ class RunProgress:
         if stage == self._stage and done < total and now - self._last_line < _LINES_EVERY:
             return
         self._last_line = now
-        line = f"{stage}: {done:.3f} / {total:.3f} s {text}".rstrip()
+        figures = f"{done:{self._digits}} / {total:{self._digits}} {self._unit}"
+        line = f"{stage}: {figures} {text}".rstrip()
         self._console.print(line, highlight=False, markup=False, soft_wrap=True)

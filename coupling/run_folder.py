@@ -22,7 +22,7 @@ _RUN_FILES = frozenset(
         "foam",
     }
 )
-_MARKERS = frozenset({"results.h5", "summary.json", "checkpoint.h5", "study.json"})
+_MARKERS = frozenset({"results.h5", "summary.json", "checkpoint.h5", "study.json", "sweep.json"})
 
 
 class FolderError(Exception):
@@ -45,12 +45,14 @@ def prepare_folder(
 ) -> None:
     """Create ``folder`` and see that it can be written to.
 
-    ``study`` names what a study writes: a folder that holds nothing else is gone on with.
+    ``study`` names what a study or a sweep writes: a folder that holds nothing else is gone on
+    with, also where a kill left a file half written beside.
     ``force`` removes an earlier run's or study's files from the folder, and nothing else.
     ``FolderError`` where the folder holds anything else, or cannot be created or written.
     """
     try:
         held = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+        held = {name for name in held if not (name[0] == "." and name.endswith(".partial"))}
         if held and not force and not held <= set(study or ()):
             raise FolderError(_occupied(folder, held))
         folder.mkdir(parents=True, exist_ok=True)
@@ -69,7 +71,7 @@ def _occupied(folder: Path, held: Collection[str]) -> str:
     if "checkpoint.h5" in held:
         what, mend = "holds a run", f"Go on with it: edt resume {folder}; or replace it: --force"
     elif _MARKERS & set(held):
-        what, mend = "holds a run or a study", "Replace it with --force"
+        what, mend = "holds a run, a study or a sweep", "Replace it with --force"
     else:
         what, mend = "is not empty", "Write into it all the same with --force"
     return f"{folder}: {what}. {mend}; or give another folder with -o."
@@ -94,12 +96,13 @@ def check_resumable(folder: Path) -> None:
 
 
 def check_reportable(folder: Path) -> None:
-    """``FolderError`` unless ``folder`` holds the files of a run or a study."""
+    """``FolderError`` unless ``folder`` holds the files of a run, a study or a sweep."""
     _check_exists(folder)
-    if not any((folder / name).is_file() for name in ("results.h5", "study.json")):
+    known = ("results.h5", "study.json", "sweep.json")
+    if not any((folder / name).is_file() for name in known):
         raise FolderError(
-            f"{folder}: nothing to report, neither results.h5 nor study.json is there. "
-            "Give the folder of a run or a study."
+            f"{folder}: nothing to report, none of {', '.join(known)} is there. "
+            "Give the folder of a run, a study or a sweep."
         )
 
 

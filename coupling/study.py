@@ -46,7 +46,7 @@ def run_study(
     summaries: dict[str, dict[str, Any]] = {}
     for name, place, variant in _planned(scene, models, folder, summaries):
         _log.info("study: %s in %s", name, place)
-        summaries[name] = _run(variant, place, _prefixed(progress, name))
+        summaries[name] = complete_run(variant, place, _prefixed(progress, name))
         study = _study(scene, models, folder, summaries)
         write_json(folder / FILE, study)
     write_report(folder)
@@ -59,7 +59,7 @@ def _planned(
     """Cheapest model first; which one is the reference shows only when all have run."""
     for model in sorted(models, key=LADDER.index):
         yield model, folder / model, _with(scene, "model", fluid=model)
-    best = _reference(models, done)
+    best = reference_of(models, done)
     if best is not None:
         for name, variant in coarser_scenes(_with(scene, "model", fluid=best)).items():
             yield name, folder / "discretisation" / name, variant
@@ -90,20 +90,31 @@ def _with(scene: Scene, section: str, **values: Any) -> Scene:
     return scene.model_copy(update={section: getattr(scene, section).model_copy(update=values)})
 
 
-def _run(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:
-    """Summary of a run, taken from ``folder``, resumed or made; of a failed one too."""
+def complete_run(scene: Scene, folder: Path, progress: Progress | None = None) -> dict[str, Any]:
+    """Summary of a run, taken from ``folder``, resumed or made; of a failed one too.
+
+    A run that is complete there, of the same scene, is not run again; one that was interrupted
+    goes on from its checkpoint; one that failed, or of another scene, is replaced.
+    """
     try:
         if _same_scene(scene, folder):
             known = read_summary(folder)
             if known.get("status") == "completed":
                 return known
-            if not known.get("error") and (folder / "checkpoint.h5").is_file():
+            if known.get("status") != "failed" and (folder / "checkpoint.h5").is_file():
                 return resume(folder, progress=progress)
         if (folder / "scene.toml").is_file():
             shutil.rmtree(folder)
         return run(scene, folder, progress=progress)
     except RunFailed as error:
         return {**read_summary(folder), "status": "failed", "error": str(error)}
+
+
+def finished_summary(scene: Scene, folder: Path) -> dict[str, Any] | None:
+    """``summary.json`` of ``folder`` where a run of ``scene`` is complete there, else None."""
+    known = read_summary(folder)
+    complete = known.get("status") == "completed" and _same_scene(scene, folder)
+    return known if complete else None
 
 
 def _same_scene(scene: Scene, folder: Path) -> bool:
@@ -131,7 +142,7 @@ def _prefixed(progress: Progress | None, name: str) -> Progress | None:
     return lambda stage, done, total, text: progress(f"{name}: {stage}", done, total, text)
 
 
-def _reference(models: Sequence[str], summaries: Mapping[str, Mapping[str, Any]]) -> str | None:
+def reference_of(models: Sequence[str], summaries: Mapping[str, Mapping[str, Any]]) -> str | None:
     """The highest rung that has not failed, done or still to come."""
     ranked = sorted(models, key=LADDER.index, reverse=True)
     alive = [
@@ -143,9 +154,9 @@ def _reference(models: Sequence[str], summaries: Mapping[str, Mapping[str, Any]]
 def _study(
     scene: Scene, models: Sequence[str], folder: Path, summaries: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Any]:
-    best = _reference(models, summaries)
+    best = reference_of(models, summaries)
     own = {
-        name: _errors(scene, folder / "discretisation" / name, folder, best, summaries[name])
+        name: errors_of(scene, folder / "discretisation" / name, folder, best, summaries[name])
         for name in OWN_ERRORS
         if name in summaries
     }
@@ -154,7 +165,7 @@ def _study(
         if name not in summaries:
             continue
         summary = summaries[name]
-        errors = _errors(scene, folder / name, folder, best, summary)
+        errors = errors_of(scene, folder / name, folder, best, summary)
         rows[name] = {
             "status": summary.get("status"),
             "failure": summary.get("error"),
@@ -172,10 +183,14 @@ def _study(
     }
 
 
-def _errors(
+def errors_of(
     scene: Scene, run: Path, folder: Path, best: str | None, summary: Mapping[str, Any]
 ) -> Errors:
-    """Empty where the run or the reference is not complete."""
+    """Errors of ``run`` against the run of ``folder`` that is named ``best``.
+
+    Empty where the run or the reference is not complete. Raises ``RunFailed`` where the results
+    of one cannot be read.
+    """
     against = read_summary(folder / best) if best else {}
     if summary.get("status") != "completed" or against.get("status") != "completed":
         return {}

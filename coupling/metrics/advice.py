@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 _ENOUGH = 0.05
+LEVELS = (0.01, 0.05, 0.2)  # of relative errors: good, enough, poor
 _WORDS = {
     "shape_rms": "shape",
     "cg_amplitude": "CG amplitude",

@@ -11,12 +11,13 @@ from coupling.report.page import html
 from coupling.report.run_report import run_page
 from coupling.report.study_report import study_page
 from coupling.report.style import house_style
+from coupling.report.sweep_report import sweep_page
 
 FILE = "report.html"
 
 
 def write_report(folder: Path | str) -> Path:
-    """Write ``report.html`` of a run's or a study's folder, from its files, and return its path.
+    """Write ``report.html`` of a run, a study or a sweep, from its files, and return its path.
 
     The page is self-contained. Works for runs that failed, and for those still going.
 
@@ -26,9 +27,11 @@ def write_report(folder: Path | str) -> Path:
         The folder's files cannot be read, or the page cannot be written.
     """
     folder = Path(folder)
-    study = folder / "study.json"
+    study, sweep = folder / "study.json", folder / "sweep.json"
     with house_style():
-        if study.is_file():
+        if sweep.is_file():
+            page = sweep_page(folder, json.loads(sweep.read_text(encoding="utf-8")))
+        elif study.is_file():
             page = study_page(folder, json.loads(study.read_text(encoding="utf-8")))
         else:
             page = run_page(read_run(folder))

@@ -1,0 +1,63 @@
+"""What the verbs of the command line share: arguments, options, and checks before a start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, get_args
+
+import typer
+
+from coupling.exit_status import ExitStatus, stop
+from coupling.scene import Scene
+from coupling.scene_sections import Model
+
+MODELS: tuple[str, ...] = get_args(Model.model_fields["fluid"].annotation)
+
+ScenePath = Annotated[
+    Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")
+]
+RunFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene; may be repeated."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace the run that the folder holds.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+
+
+def need_openfoam(scene: Scene, models: Sequence[str]) -> None:
+    """Find the flow solver before anything starts, where one is needed."""
+    if "openfoam" in models:
+        from coupling.foam.process import find_openfoam
+
+        chosen = scene.openfoam
+        find_openfoam(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+
+
+def chosen_models(listed: str) -> tuple[str, ...]:
+    """Two or more different fluid models from a list with commas; else the verb ends."""
+    chosen = tuple(name.strip() for name in listed.split(","))
+    unknown = [name for name in chosen if name not in MODELS]
+    if unknown or len(set(chosen)) < max(2, len(chosen)):
+        stop(
+            f"--models: must be two or more different ones of {', '.join(MODELS)}, got '{listed}'.",
+            ExitStatus.WRONG_INPUT,
+        )
+    return chosen
+
+
+@contextmanager
+def resumable(folder: Path, again: str = "") -> Iterator[None]:
+    """Say how an interrupted run goes on: with the command ``again``, or from its checkpoint."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if not again and (folder / "checkpoint.h5").is_file():
+            again = f"edt resume {folder}"
+        mend = f" Go on with: {again}" if again else ""
+        stop(f"{folder}: interrupted; what was computed is kept.{mend}", ExitStatus.INTERRUPTED)

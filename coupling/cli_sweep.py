@@ -1,0 +1,115 @@
+"""The verb ``edt sweep``."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from coupling.cli_options import (
+    AsJson,
+    Changes,
+    Force,
+    Output,
+    ScenePath,
+    chosen_models,
+    need_openfoam,
+    resumable,
+)
+from coupling.exit_status import guarded
+from coupling.ports import RunFailed
+from coupling.progress import RunProgress
+from coupling.run_folder import default_folder, prepare_folder
+from coupling.sweep_plan import Plan, parse_axis, plan_sweep
+from coupling.tables import figure, print_json, print_table
+
+SWEEP_FILES = frozenset({"sweep.json", "sweep.csv", "report.html", "points"})
+
+
+@guarded
+def sweep(
+    scene_path: ScenePath,
+    over: Annotated[
+        list[str],
+        typer.Option(
+            "--over",
+            metavar="KEY=VALUES",
+            help="Vary a key of the scene: key=start:stop:count, key=start:stop:count:log "
+            "(geometric) or key=a,b,c. May be repeated: all combinations are run.",
+        ),
+    ],
+    models: Annotated[
+        str, typer.Option("--models", help="Fluid models, separated by commas.")
+    ] = "hydrostatic,potential",
+    output: Output = None,
+    changes: Changes = None,
+    force: Force = False,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", min=1, metavar="N", help="Worker processes; else all cores."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Use a running Dask cluster that sees the same files, such as tcp://host:8786.",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a scene over a grid of values on several fluid models: errors against the best, as maps.
+
+    The same command goes on with a sweep that was stopped: what is complete is not run again.
+    A model that fails at a point is a row with its reason.
+    """
+    chosen = chosen_models(models)
+    plan = plan_sweep(scene_path, changes or (), [parse_axis(text) for text in over], chosen)
+    for point in plan.points[:1]:
+        need_openfoam(next(iter(point.scenes.values())), chosen)
+    folder = output or default_folder(scene_path, "-sweep")
+    prepare_folder(folder, force=force, study=SWEEP_FILES)
+    from coupling.sweep import run_sweep
+
+    with resumable(folder, _again()), RunProgress(unit="runs") as progress:
+        outcome = run_sweep(plan, folder, workers=workers, scheduler=scheduler, progress=progress)
+    if as_json:
+        print_json(outcome)
+    else:
+        _print(plan, outcome, folder)
+    if not any(row["reference"] for row in outcome["rows"]):
+        raise RunFailed(f"{folder}: no run completed. The first: {outcome['rows'][0]['failure']}")
+
+
+def _again() -> str:
+    words = [word for word in sys.argv[1:] if word != "--force"]
+    return shlex.join(["edt", *words])
+
+
+def _print(plan: Plan, outcome: Mapping[str, Any], folder: Path) -> None:
+    """One row a point: values, f/f1, errors of the lesser models; failures below."""
+    lesser = [name for name in plan.models if name != outcome["reference"]]
+    keys = [axis.key for axis in plan.axes]
+    rows = []
+    for row in outcome["rows"]:
+        errors = [row["models"][name]["error"] for name in lesser]
+        rows.append(
+            (
+                *(figure(row["values"][key]) for key in keys),
+                figure(row["numbers"]["frequency_ratio"], 3),
+                *(figure(error.get("cg_amplitude"), 3) for error in errors),
+                *(figure(error.get("shape_rms"), 3) for error in errors),
+                "failed" if row["failure"] else "",
+            )
+        )
+    heads = [f"{name} {what}" for what in ("CG", "shape") for name in lesser]
+    title = f"errors against {outcome['reference']}, in {folder}"
+    print_table(title, (*keys, "f/f1", *heads, ""), rows)
+    for row in outcome["rows"]:
+        if row["failure"]:
+            print(f"{row['point']}: {row['failure']}")
+    print(f"report: {folder / 'report.html'}")

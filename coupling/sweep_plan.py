@@ -1,0 +1,185 @@
+"""Which scenes a sweep runs: axes read from the command line, and the grid that they span."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from coupling.scene import Scene, SceneError, load_scene
+
+Value = float | int | bool | str
+MOST_PROBLEMS = 10
+_MEND = (
+    "Give key=start:stop:count, key=start:stop:count:log or key=a,b,c, "
+    "such as motion.frequency=0.1:4:12:log."
+)
+
+
+class SweepError(ValueError):
+    """A sweep that cannot be started; the message says where, what and the mend."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """A dotted ``key`` of the scene and the ``values`` that it takes, all different.
+
+    ``logarithmic``: the values are spaced geometrically.
+    """
+
+    key: str
+    values: tuple[Value, ...]
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """One point of the grid: ``values`` by key, and its scene on each fluid model, all valid.
+
+    ``name`` follows from the values alone, so a finer grid finds the points that a coarser one ran.
+    """
+
+    name: str
+    values: dict[str, Value]
+    scenes: dict[str, Scene]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """All that a sweep runs: every one of ``points`` with every one of ``models``."""
+
+    axes: tuple[Axis, ...]
+    models: tuple[str, ...]
+    points: tuple[Point, ...]
+
+
+def parse_axis(text: str) -> Axis:
+    """Axis from ``key=start:stop:count``, ``key=start:stop:count:log`` or ``key=a,b,c``.
+
+    Both ends belong to a range. Values are rounded to 12 digits, and whole numbers where the ends
+    are written so and all values between are. Whether the scene knows the key is not checked.
+    Raises ``SweepError``.
+    """
+    key, equals, given = (part.strip() for part in text.partition("="))
+    if not equals or not all(key.split(".")) or not given:
+        raise SweepError(f"--over {text}: must name a key and its values. {_MEND}")
+    if ":" in given:
+        values, logarithmic = _range(text, given.split(":"))
+    else:
+        values, logarithmic = tuple(_scalar(part.strip()) for part in given.split(",")), False
+    twice = sorted({str(value) for value in values if values.count(value) > 1})
+    if twice:
+        raise SweepError(f"--over {text}: gives {', '.join(twice)} twice. Leave one out.")
+    return Axis(key=key, values=values, logarithmic=logarithmic)
+
+
+def _range(text: str, parts: Sequence[str]) -> tuple[tuple[Value, ...], bool]:
+    logarithmic = len(parts) == 4 and parts[3].strip() == "log"
+    if len(parts) != 3 and not logarithmic:
+        raise SweepError(f"--over {text}: is no range. {_MEND}")
+    try:
+        start, stop, count = float(parts[0]), float(parts[1]), int(parts[2])
+    except ValueError:
+        raise SweepError(
+            f"--over {text}: must be numbers, the count a whole one. {_MEND}"
+        ) from None
+    if count < 2 or not np.isfinite([start, stop]).all():
+        raise SweepError(f"--over {text}: needs finite ends and a count of 2 or more. {_MEND}")
+    if logarithmic and not (start > 0.0 and stop > 0.0):
+        raise SweepError(
+            f"--over {text}: geometric spacing needs positive ends. Leave out :log, or change them."
+        )
+    spaced = (np.geomspace if logarithmic else np.linspace)(start, stop, count)
+    values = [float(f"{value:.12g}") for value in spaced]
+    whole = all(re.fullmatch(r"\s*[+-]?\d+\s*", part) for part in parts[:2])
+    if whole and all(value.is_integer() for value in values):
+        return tuple(int(value) for value in values), logarithmic
+    return tuple(values), logarithmic
+
+
+def _scalar(text: str) -> Value:
+    """A TOML number, truth value or quoted string; anything else as it stands."""
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+    return value if isinstance(value, float | int | bool | str) else text
+
+
+def plan_sweep(
+    scene_path: Path, changes: Sequence[str], axes: Sequence[Axis], models: Sequence[str]
+) -> Plan:
+    """Every point of the grid, the last axis fastest, with its scenes read and checked.
+
+    ``changes``: ``key=value`` for all points. Nothing is run or written.
+
+    Raises
+    ------
+    SweepError
+        No axis, one key on two axes, or two values that give the same folder.
+    SceneError
+        A point's scene is invalid: each different problem once, with the first point that has it.
+    """
+    keys = [axis.key for axis in axes]
+    if not keys or len(set(keys)) < len(keys):
+        raise SweepError(f"--over: must be given, and once for each key. {_MEND}")
+    points: list[Point] = []
+    problems: dict[str, str] = {}
+    for combined in itertools.product(*(axis.values for axis in axes)):
+        values = dict(zip(keys, combined, strict=True))
+        scenes = {}
+        for model in models:
+            try:
+                scenes[model] = _scene_at(scene_path, changes, values, model)
+            except SceneError as error:
+                for problem in error.problems:
+                    problems.setdefault(problem, _label(values))
+        points.append(Point(name=_name(values), values=values, scenes=scenes))
+    if problems:
+        raise SceneError(_told(problems, keys))
+    _check_names(points)
+    return Plan(axes=tuple(axes), models=tuple(models), points=tuple(points))
+
+
+def _scene_at(
+    scene_path: Path, changes: Sequence[str], values: dict[str, Value], model: str
+) -> Scene:
+    here = [f"{key}={json.dumps(value)}" for key, value in values.items()]
+    return load_scene(scene_path, [*changes, *here, f"model.fluid={model}"])
+
+
+def _told(problems: dict[str, str], keys: Sequence[str]) -> list[str]:
+    lines = []
+    for problem, where in problems.items():
+        of_axis = any(problem.startswith(f"--set: {key}:") for key in keys)
+        told = problem.replace("--set", "--over", 1) if of_axis else problem
+        lines.append(f"{told} (At {where}.)")
+    more = len(lines) - MOST_PROBLEMS
+    return lines if more <= 0 else [*lines[:MOST_PROBLEMS], f"... and {more} problems more."]
+
+
+def _label(values: dict[str, Value]) -> str:
+    return ", ".join(f"{key}={value}" for key, value in values.items())
+
+
+def _name(values: dict[str, Value]) -> str:
+    """A folder's name: keys and values, in letters that every file system and OpenFOAM take."""
+    parts = (f"{key}_{value}" for key, value in values.items())
+    return re.sub(r"[^\w.+-]", "-", "__".join(parts))
+
+
+def _check_names(points: Sequence[Point]) -> None:
+    seen: dict[str, Point] = {}
+    for point in points:
+        other = seen.setdefault(point.name, point)
+        if other is not point:
+            raise SweepError(
+                f"--over: {_label(other.values)} and {_label(point.values)} would share the folder "
+                f"{point.name}. Rename one of the values."
+            )
