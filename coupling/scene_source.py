@@ -16,6 +16,8 @@ _REPLACED_BY: dict[tuple[str, ...], tuple[str, ...]] = {
     ("diaphragm", "material"): ("density", "youngs_modulus", "poisson_ratio", "strength"),
     ("diaphragm", "thickness"): ("thickness_map",),
     ("diaphragm", "thickness_map"): ("thickness",),
+    ("motion", "amplitude"): ("acceleration",),
+    ("motion", "acceleration"): ("amplitude",),
     ("time", "duration"): ("periods",),
     ("time", "periods"): ("duration",),
     ("time", "step"): ("steps_per_period",),
