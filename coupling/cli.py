@@ -66,11 +66,17 @@ def run(
 ) -> None:
     """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
     scene = load_scene(scene_path, changes or ())
+    from coupling.auto import choose, run_auto
+    from coupling.driver import run as run_scene
+
+    if scene.model.fluid == "auto":
+        run_scene = run_auto
+        choice = choose(scene)
+        typer.echo(f"auto: {choice.reason}", err=True)
+        need_openfoam(scene, [choice.fluid])
     need_openfoam(scene, [scene.model.fluid])
     folder = output or default_folder(scene_path)
     prepare_folder(folder, force=force)
-    from coupling.driver import run as run_scene
-
     with resumable(folder), RunProgress() as progress:
         summary = run_scene(scene, folder, progress=progress)
     _finish(summary, folder, as_json)
@@ -83,10 +89,11 @@ def resume(folder: RunFolder, as_json: AsJson = False) -> None:
     check_resumable(folder)
     scene = load_scene(folder)
     need_openfoam(scene, [scene.model.fluid])
+    from coupling.auto import finish
     from coupling.driver import resume as resume_run
 
     with resumable(folder), RunProgress() as progress:
-        summary = resume_run(folder, progress=progress)
+        summary = finish(folder, resume_run(folder, progress=progress), progress)
     _finish(summary, folder, as_json)
 
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated
 
 import typer
 
 from coupling.exit_status import ExitStatus, stop
 from coupling.scene import Scene
-from coupling.scene_sections import Model
-
-MODELS: tuple[str, ...] = get_args(Model.model_fields["fluid"].annotation)
+from coupling.scene_sections import LADDER as MODELS
 
 ScenePath = Annotated[
     Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")

@@ -20,6 +20,8 @@ _RUN_FILES = frozenset(
         "report.html",
         "log.txt",
         "foam",
+        "auto.json",
+        "check",
     }
 )
 _MARKERS = frozenset({"results.h5", "summary.json", "checkpoint.h5", "study.json", "sweep.json"})

@@ -20,6 +20,8 @@ from coupling.ports import Array
 from coupling.table_file import TableError
 from coupling.thickness_map import ThicknessMap, read_thickness_map
 
+LADDER = ("datum", "hydrostatic", "potential", "openfoam")  # fluid models, the simplest first
+
 _MATERIAL: dict[str, Any] = {"instead": 'a known material such as material = "AF-E-332"'}
 _MAP: dict[str, Any] = {"instead": "a thickness_map"}
 _LIQUID: dict[str, Any] = {"instead": 'a known liquid such as name = "water"'}
@@ -261,7 +263,14 @@ class Motion(Section):
 class Model(Section):
     """Which liquid the diaphragm feels."""
 
-    fluid: Literal["datum", "hydrostatic", "potential", "openfoam"] = Field(
+    fluid: Literal["datum", "hydrostatic", "potential", "openfoam", "auto"] = Field(
         default="openfoam",
-        description='fluid model: "datum", "hydrostatic", "potential" or "openfoam"',
+        description='fluid model: "datum", "hydrostatic", "potential", "openfoam", or "auto" for '
+        "the cheapest that keeps the tolerance",
+    )
+    tolerance: float = Field(
+        default=0.05,
+        gt=0,
+        lt=1,
+        description='relative error of the CG\'s motion that "auto" allows',
     )

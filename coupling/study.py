@@ -18,8 +18,8 @@ from coupling.report import write_report
 from coupling.results import read_results
 from coupling.scene import Scene, load_scene, same_content
 from coupling.scene_errors import SceneError
+from coupling.scene_sections import LADDER
 
-LADDER = ("datum", "hydrostatic", "potential", "openfoam")
 FILE = "study.json"
 OWN_ERRORS = ("coarser_grid", "doubled_step")
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coupling.metrics.bernoulli import node_areas
 from coupling.ports import Array, Ints
@@ -72,6 +73,22 @@ def below(errors: Errors, own: Mapping[str, Errors]) -> list[str]:
         if value is not None and known and value < max(item for item in known if item is not None):
             names.append(name)
     return names
+
+
+def cg_motion(mine: Mapping[str, Any], best: Mapping[str, Any]) -> float | None:
+    """|c - c_best|/|c_best| of two complex CG amplitudes (3,), each a summary's ``cg``.
+
+    Amplitude and phase in one number. None where either has none, or the second does not move.
+    """
+    if None in (*mine["amplitude_m"], *best["amplitude_m"]):
+        return None
+    one, other = _complex(mine), _complex(best)
+    return _over(float(np.linalg.norm(one - other)), float(np.linalg.norm(other)))
+
+
+def _complex(cg: Mapping[str, Any]) -> NDArray[np.complex128]:
+    phase = [0.0 if value is None else value for value in cg["phase_deg"]]
+    return np.asarray(cg["amplitude_m"] * np.exp(1j * np.radians(phase)))
 
 
 def _rms(values: Array, weight: Array) -> float:

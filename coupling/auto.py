@@ -1,0 +1,158 @@
+"""``model.fluid = "auto"``: the cheapest fluid model that is good enough for a scene.
+
+Chosen before the run from estimates that are fitted to our own runs, and checked after it on the
+next rung up, over the first period.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coupling.atomic import write_json
+from coupling.driver import Progress, run
+from coupling.metrics.comparison import common_instants
+from coupling.model_errors import LADDER as RUNGS
+from coupling.model_errors import Estimate, estimates, shaking_of
+from coupling.numbers import numbers_of
+from coupling.ports import Array
+from coupling.results import read_results
+from coupling.scene import Scene, load_scene
+
+FILE = "auto.json"
+CHECK_FOLDER = "check"
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """``fluid`` chosen, the ``reason`` in a sentence, and the ``estimates`` that it rests on."""
+
+    fluid: str
+    reason: str
+    estimates: Mapping[str, Estimate]
+
+
+def choose(scene: Scene) -> Choice:
+    """The cheapest of RUNGS whose error keeps ``model.tolerance`` in nine scenes of ten.
+
+    Where none does it is the highest, and the reason says so.
+    """
+    known, tolerance = estimates(scene), scene.model.tolerance
+    for fluid in RUNGS:
+        if known[fluid].upper <= tolerance:
+            return Choice(fluid=fluid, reason=_reason(fluid, known, tolerance), estimates=known)
+    best = RUNGS[-1]
+    return Choice(
+        fluid=best,
+        reason=f"no model is expected to keep {tolerance:.3g}: {best} comes closest on this grid "
+        f"(expected {known[best].expected:.2g}, nine in ten below {known[best].upper:.2g})",
+        estimates=known,
+    )
+
+
+def _reason(fluid: str, known: Mapping[str, Estimate], tolerance: float) -> str:
+    one = known[fluid]
+    text = (
+        f"{fluid} is expected to err by {one.expected:.2g} in the CG motion, nine in ten below "
+        f"{one.upper:.2g}, within {tolerance:.3g}"
+    )
+    if one.outside:
+        text += f" (by the nearest data: {', '.join(one.outside)} lies beyond them)"
+    return text
+
+
+def run_auto(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
+    """Run ``scene`` on the model that ``choose`` takes, then ``check`` it; as ``driver.run``.
+
+    The scene in ``folder`` names the model taken; the choice stands in ``auto.json``.
+    """
+    choice = choose(scene)
+    _log.info("auto: %s", choice.reason)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_json(
+        folder / FILE,
+        {
+            "fluid": choice.fluid,
+            "tolerance": scene.model.tolerance,
+            "reason": choice.reason,
+            "estimates": {name: vars(one) for name, one in choice.estimates.items()},
+        },
+    )
+    return finish(folder, run(_on(scene, choice.fluid), folder, progress=progress), progress)
+
+
+def finish(folder: Path, summary: dict[str, Any], progress: Progress | None) -> dict[str, Any]:
+    """Add to the ``summary`` of a run how its model was chosen, where it was, and the check of it.
+
+    The check takes the scene's first period (a table's characteristic one) on the next rung up, in
+    ``check``; its error is the rms distance of the CG's paths over the rms way of the better one.
+    """
+    if not (folder / FILE).is_file():
+        return summary
+    auto = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    if summary["status"] == "completed" and "checked" not in auto:
+        auto["checked"] = _checked(load_scene(folder), folder, progress)
+        write_json(folder / FILE, auto)
+        if (auto["checked"].get("error") or 0.0) > auto["tolerance"]:
+            _log.warning("auto: %s", auto["checked"]["says"])
+    summary["auto"] = auto
+    write_json(folder / "summary.json", summary)
+    return summary
+
+
+def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:
+    """What the next rung up says of the run's beginning."""
+    fluid = scene.model.fluid
+    if fluid == RUNGS[-1] or scene.motion.kind == "rest":
+        return {"against": None, "says": "there is no better model to check it on"}
+    better = RUNGS[RUNGS.index(fluid) + 1]
+    window = min(scene.time.duration, _first_period(scene))
+    part = scene.time.model_copy(update={"duration": max(window, scene.time.step), "output_every": 1})
+    summary = run(
+        _on(scene, better).model_copy(update={"time": part}), folder / CHECK_FOLDER,
+        progress=progress,
+    )  # fmt: skip
+    found: dict[str, Any] = {"against": better, "simulated_s": window, "wall_s": summary["wall_s"]}
+    if summary["status"] != "completed":
+        return found | {"error": None, "says": f"{better} failed: {summary['error']}"}
+    one, other = read_results(folder), read_results(folder / CHECK_FOLDER)
+    error = path_error(one.time, one.liquid_cg, other.time, other.liquid_cg)
+    keeps = error is not None and error <= scene.model.tolerance
+    says = (
+        f"over the first {window:.3g} s the CG's path is {error or 0.0:.2g} off that of {better}, "
+        f"{'within' if keeps else 'above'} {scene.model.tolerance:.3g}"
+    )
+    if not keeps:
+        says += f": run it with model.fluid = {better}"
+    return found | {"error": error, "says": says}
+
+
+def path_error(time: Array, cg: Array, other_time: Array, other_cg: Array) -> float | None:
+    """rms distance of two CG paths at their common instants over the rms way of the second.
+
+    ``time`` (T,) [s], ``cg`` (T, 3) [m]; None where the second does not move.
+    """
+    rows, other_rows = common_instants(time, other_time)
+    way = other_cg[other_rows] - other_cg[0]
+    whole = float(np.sqrt(np.sum(way**2)))
+    if whole == 0.0:
+        return None
+    return float(np.sqrt(np.sum((cg[rows] - cg[0] - way) ** 2))) / whole
+
+
+def _first_period(scene: Scene) -> float:
+    if scene.period is not None:
+        return scene.period
+    ratio = shaking_of(scene).frequency_ratio
+    return 1.0 / (ratio * numbers_of(scene).slosh_frequency) if ratio > 0.0 else 0.0
+
+
+def _on(scene: Scene, fluid: str) -> Scene:
+    return scene.model_copy(update={"model": scene.model.model_copy(update={"fluid": fluid})})
