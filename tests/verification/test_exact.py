@@ -8,11 +8,11 @@ from scipy.special import jnp_zeros
 from coupling.foam.added_mass import added_mass, neumann_trace
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
+from coupling.sloshing_modes import lateral_eigenvalue
 from coupling.verify import CaseError, run_case
 from coupling.verify.cylinder import Tank
 from coupling.verify.prism import prism_mesh
 from coupling.verify.slosh import DENSITY, EIGENVALUES, GRAVITY, RADIUS
-from coupling.verify.sloshing_modes import lateral_eigenvalue
 
 
 def errors(result):

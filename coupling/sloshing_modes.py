@@ -7,6 +7,8 @@ surface and wall, where phi goes with the distance to the power pi over the corn
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
@@ -15,19 +17,44 @@ from threadpoolctl import threadpool_limits
 from coupling.ports import Array
 
 DEGREE = 28  # along the surface; half of it across
+FEW, FULL = 16, 1.8  # a degree that serves the first mode up to this level
 
 
-def lateral_eigenvalue(level: float, mode: int) -> float:
+def lateral_eigenvalue(level: float, mode: int, *, degree: int = DEGREE) -> float:
     """omega^2 R/g of the ``mode``-th lateral mode (m = 1) at the depth ``level`` over R.
 
     Agrees with McIver (J. Fluid Mech. 201, 1989) to all digits of his table. From above, and to
-    1e-6 and better for the lowest three modes and levels from 0.2 to 1.8.
+    1e-6 and better for the lowest three modes and levels from 0.2 to 1.8. With ``degree`` 16, a
+    tenth of the work, the first mode is as good up to 1.6, and within 2e-5 at 1.8.
     """
     with threadpool_limits(1):
-        stiffness, mass = _forms(level, DEGREE, DEGREE // 2)
+        stiffness, mass = _forms(level, degree, degree // 2)
         # Heights on the surface alone: 1/lambda are the largest eigenvalues of M over K.
         value = eigh(mass, stiffness, eigvals_only=True)
     return float(1 / value[-mode])
+
+
+@lru_cache(maxsize=64)
+def slosh_eigenvalue(level: float) -> float:
+    """lambda = omega^2 R/g of the first free-surface mode at h/R = ``level`` in (0, 2).
+
+    Computed in 10 ms, above 1.8 in 0.1 s: within 2e-5 up to 1.9 (a fill fraction of 0.993). From
+    there it rises as a small opening's, to 2.754755 R/a with a its radius (Henrici, Troesch &
+    Wuytack, ZAMP 21 (1970) 285), and is 2 % above that at 1.999. Mass, tension and bending of a
+    diaphragm are left out. ``ValueError`` outside (0, 2).
+    """
+    if not 0.0 < level < 2.0:
+        raise ValueError(f"level h/R: must lie in (0, 2), got {level:g}.")
+    return lateral_eigenvalue(level, 1, degree=FEW if level <= FULL else DEGREE)
+
+
+def covered_eigenvalue(eigenvalue: float, cover: float) -> float:
+    """The same below a limp cover of ``cover`` = mass per area over rho R, moving with the surface.
+
+    A level cover's weight adds no stiffness, and its inertia acts as so much less gravity, of every
+    mode alike: 1/lambda' = 1/lambda + cover, exactly.
+    """
+    return 1.0 / (1.0 / eigenvalue + cover)
 
 
 def _forms(level: float, along: int, across: int) -> tuple[Array, Array]:
