@@ -8,6 +8,7 @@ import numpy as np
 
 from cloth.arrays import Array
 from cloth.contact import pressed, slid
+from cloth.energy import SheetEnergy, sheet_energy
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
@@ -233,6 +234,10 @@ class Cloth:
             self_slip=m.self_slip.copy(),
             change=float(m.change[0]),
         )
+
+    def energy(self) -> SheetEnergy:
+        """Of the committed state; at rest before the first step. The damping is that of ``dry``."""
+        return sheet_energy(self.model, self.dry, self._memory)
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs to go on bit for bit."""

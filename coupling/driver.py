@@ -16,6 +16,7 @@ from coupling import checkpoint
 from coupling.atomic import write_json
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
+from coupling.energy import EnergyBalance, Instant, instant_of
 from coupling.iteration_log import IterationLog
 from coupling.liquid import flow_of, load_model, potential_of, start_flow
 from coupling.metrics.summary import summarise
@@ -31,7 +32,7 @@ from coupling.ports import (
 )
 from coupling.potential_step import PotentialStep
 from coupling.results import ResultsWriter, read_results
-from coupling.sampling import flow_metrics, liquid_metrics, sample_at
+from coupling.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
 from coupling.scene import Scene, load_scene, scene_toml, write_scene
 from coupling.schemes import scheme_named
 from coupling.strength import burst_warning
@@ -71,6 +72,7 @@ class _Run:
         self.model = load_model(scene)
         self.cloth = diaphragm_of(scene)
         self.tally = Tally(scene, self.cloth.thickness)
+        self.energy = EnergyBalance(np.asarray(scene.gravity))
         self.burst = burst_warning(scene)
         self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
         self.clock = perf_counter()
@@ -99,6 +101,7 @@ class _Run:
             clock = perf_counter()
             start_flow(self.flow, self.mapping, self.scene, self.cloth)
             self.tally.seconds("fluid", clock)
+        self.energy.start(self._instant(0.0, None))
         self._write(self._sample(0.0, None, 0, 0.0))
         self._save(0)
         self._loop(0)
@@ -123,6 +126,7 @@ class _Run:
                 self.step.scheme.restore(parts.get("scheme", {}))
             if not isinstance(self.step, DryStep):
                 self.step.restore(parts.get("coupled", {}))
+            self.energy.restore(parts["energy"])
             self._loop(step)
 
         return self._guarded(begin)
@@ -155,6 +159,8 @@ class _Run:
         for step in range(first, time.steps):
             now, after = step * time.step, (step + 1) * time.step
             flow, iterations, residual = self._advance(now, after)
+            work = 0.0 if flow is None else flow.pressure_work
+            self.energy.add(time.step, self._instant(after, flow), work)
             self.tally.statistics.steps = step + 1
             self.tally.statistics.simulated_s = after
             if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
@@ -198,24 +204,27 @@ class _Run:
         shaking = np.zeros(3) if at_rest else self.motion.acceleration(time)
         return self.model.load(np.asarray(self.scene.gravity) - shaking)
 
+    def _instant(self, time: float, liquid: LiquidSample | None) -> Instant:
+        return instant_of(self.cloth, self.cloth.state, self._load(time), liquid, self.scene)
+
     def _sample(
         self, time: float, liquid: LiquidSample | None, iterations: int, residual: float
     ) -> Sample:
-        state = self.cloth.state
-        dynamic, metrics = np.zeros(len(state.position)), {}
+        state, metrics = self.cloth.state, self.energy.metrics()
+        pressures = still(len(state.position))
         if isinstance(self.step, PotentialStep):
-            metrics = liquid_metrics(liquid) | {"energy_removed": self.step.energy_removed}
+            metrics |= liquid_metrics(liquid) | {"energy_removed": self.step.energy_removed}
             if liquid is not None:
-                dynamic = self.step.liquid.to_nodes(state.position) @ liquid.face_pressure
+                pressures = at_nodes(liquid, self.step.liquid.to_nodes(state.position).dot)
         elif isinstance(self.step, CoupledStep):
             assert liquid is None or isinstance(liquid, FlowSample)
-            metrics = flow_metrics(liquid, self.flow.non_orthogonality_max)
+            metrics |= flow_metrics(liquid, self.flow.non_orthogonality_max)
             if liquid is not None:
-                dynamic = self.mapping.to_nodes(liquid.face_pressure)
+                pressures = at_nodes(liquid, self.mapping.to_nodes)
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
             load=self._load(time, at_rest=time == 0.0), gravity=np.asarray(self.scene.gravity),
-            displacement=self.motion.displacement(time), flow=liquid, dynamic_pressure=dynamic,
+            displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
             iterations=iterations, residual=residual, metrics=metrics,
         )  # fmt: skip
 
@@ -238,7 +247,7 @@ class _Run:
         clock = perf_counter()
         self.results.flush()
         parts: dict[str, dict[str, AnyArray]] = {
-            "settled": self.settled, "structure": self.cloth.save(),
+            "settled": self.settled, "structure": self.cloth.save(), "energy": self.energy.save(),
         }  # fmt: skip
         if isinstance(self.step, CoupledStep):
             parts["flow"] = self.flow.save()

@@ -126,14 +126,24 @@ class LiquidSample:
     ``wall_pressure_force`` and ``wall_pressure_moment`` (3,) [N, N m]: of p* on all walls, about
     the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] as in the Bernoulli
     ratios; ``kinetic_energy`` [J] in the tank's frame.
+
+    ``kinetic_pressure`` (F,) [Pa]: -rho |u|^2/2 on the diaphragm; p* less this is the unsteady
+    part, -rho dphi/dt, and whatever vorticity does. ``viscous_traction`` (F,) [Pa]: size of the
+    viscous stress on the diaphragm, as the model has it. ``wall_slip`` [m^4/s^2]: int of the
+    squared speed along all walls, relative to them. ``pressure_work`` [J]: of p* on the diaphragm
+    over the step, by the trapezoidal rule.
     """
 
     face_pressure: Array
+    kinetic_pressure: Array
+    viscous_traction: Array
     wall_pressure_force: Array
     wall_pressure_moment: Array
     speed_max: float
     dphi_dt_max: float
     kinetic_energy: float
+    wall_slip: float
+    pressure_work: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +152,8 @@ class FlowSample(LiquidSample):
 
     ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
     ``liquid_cg`` (3,) [m] of the flow's mesh; ``continuity_error``: what the solver's own fluxes
-    miss, over the cells' volumes; ``non_orthogonality_max`` [deg].
+    miss, over the cells' volumes; ``non_orthogonality_max`` [deg]; ``wall_distance`` [m] of the
+    centres of the cells at the walls, the mean over their area.
     """
 
     volume: float
@@ -150,6 +161,7 @@ class FlowSample(LiquidSample):
     liquid_cg: Array
     continuity_error: float
     non_orthogonality_max: float
+    wall_distance: float
 
 
 @dataclass(frozen=True, kw_only=True)

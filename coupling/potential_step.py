@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -44,7 +45,7 @@ class PotentialStep:
         self.structure, self.liquid = structure, liquid
         self.radius = radius
         self.wall = 0.0  # seconds spent on the liquid
-        self._shapes, self._residual = 0, 0.0
+        self._shapes, self._residual, self._work = 0, 0.0, 0.0
         state = structure.state
         none = np.zeros(len(liquid.ritz.harmonics.degrees))
         still = state.position, np.zeros_like(state.position), none
@@ -102,7 +103,7 @@ class PotentialStep:
         gain = energy + work - float(now["energy"][0])
         excess = min(max(gain - GAIN * (energy + abs(work)), 0.0), MOST * energy)
         kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
-        self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient)
+        self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient, work=work)
         self._next = {
             "position": end, "velocity": velocity, "coefficient": kept * coefficient,
             "previous_position": now["position"], "previous_velocity": now["velocity"],
@@ -128,14 +129,17 @@ class PotentialStep:
         """Commit the last attempt."""
         self.structure.accept_step()
         self._now = self._next
+        self._work += self._sample.pressure_work
 
     def told(self) -> tuple[LiquidSample, int, float]:
         """The last accepted step's sample and residual, the shapes tried since this was asked.
 
-        The residual is the rms distance over R of the step's end from its shape.
+        The residual is the rms distance over R of the step's end from its shape. The sample's work
+        is that of all steps since this was asked.
         """
         shapes, self._shapes = self._shapes, 0
-        return self._sample, shapes, self._residual
+        work, self._work = self._work, 0.0
+        return replace(self._sample, pressure_work=work), shapes, self._residual
 
     @property
     def energy_removed(self) -> float:

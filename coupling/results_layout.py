@@ -32,15 +32,34 @@ FIELDS = {
     "coupling/iterations": ("iterations", "-"),
     "coupling/residual": ("residual", "-"),
 }
+# fmt: off
 METRIC_UNITS = {
     "speed_max": "m/s",
     "dphi_dt_max": "m^2/s^2",
-    "kinetic_energy": "J",
-    "energy_removed": "J",
+    **dict.fromkeys(
+        (
+            "kinetic_energy", "energy_removed", "liquid_potential_energy",
+            "sheet_potential_energy", "sheet_kinetic_energy", "bending_energy", "stretch_energy",
+            "mechanical_energy", "tank_work", "datum_work", "pressure_work", "dissipated",
+            "dissipated_by_liquid", "dissipated_by_bending", "dissipated_by_drag",
+            "layer_estimate",
+        ),
+        "J",
+    ),
+    **dict.fromkeys(
+        (
+            "hydrostatic_pressure_rms", "dynamic_pressure_rms", "unsteady_pressure_rms",
+            "kinetic_pressure_rms", "viscous_traction_rms",
+        ),
+        "Pa",
+    ),
+    "wall_slip": "m^4/s^2",
+    "wall_distance": "m",
     "non_orthogonality_max": "deg",
     "volume_error": "-",
     "continuity_error": "-",
 }
+# fmt: on
 
 
 def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles: Ints) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
+from coupling.metrics.bernoulli import node_areas, weighted_rms
 from coupling.ports import (
     Array,
     DiaphragmState,
@@ -15,8 +19,32 @@ from coupling.ports import (
 )
 from coupling.structure import liquid_cg
 
-LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy")
-MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error")
+LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy", "wall_slip")
+MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error", "wall_distance")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodePressures:
+    """What ``LiquidSample`` tells of the diaphragm's faces at its nodes, each (n,) [Pa]."""
+
+    dynamic: Array
+    kinetic: Array
+    viscous: Array
+
+
+def still(nodes: int) -> NodePressures:
+    """Those of a liquid without a flow."""
+    none = np.zeros(nodes)
+    return NodePressures(dynamic=none, kinetic=none, viscous=none)
+
+
+def at_nodes(liquid: LiquidSample, to_nodes: Callable[[Array], Array]) -> NodePressures:
+    """Those of ``liquid``; ``to_nodes`` takes values on faces (F,) to the nodes (n,)."""
+    return NodePressures(
+        dynamic=to_nodes(liquid.face_pressure),
+        kinetic=to_nodes(liquid.kinetic_pressure),
+        viscous=to_nodes(liquid.viscous_traction),
+    )
 
 
 def sample_at(
@@ -29,7 +57,7 @@ def sample_at(
     gravity: Array,
     displacement: Array,
     flow: LiquidSample | None,
-    dynamic_pressure: Array,
+    pressures: NodePressures,
     iterations: int,
     residual: float,
     metrics: dict[str, float],
@@ -52,8 +80,8 @@ def sample_at(
         tank_acceleration=gravity - load.body_force,
         tank_displacement=displacement,
         position=state.position,
-        pressure=hydrostatic + dynamic_pressure,
-        dynamic_pressure=dynamic_pressure,
+        pressure=hydrostatic + pressures.dynamic,
+        dynamic_pressure=pressures.dynamic,
         strain=state.strain,
         tension=state.tension,
         shell_slip=state.shell_slip,
@@ -65,8 +93,28 @@ def sample_at(
         moment=moment,
         iterations=iterations,
         residual=residual,
-        metrics=metrics,
+        metrics=metrics | split_metrics(state.position, triangles, hydrostatic, pressures),
     )
+
+
+def split_metrics(
+    position: Array, triangles: Ints, hydrostatic: Array, pressures: NodePressures
+) -> dict[str, float]:
+    """rms over the diaphragm [Pa] of the parts of p*, weighed as ``dynamic_fraction`` weighs.
+
+    ``position`` (n, 3) [m], ``triangles`` (m, 3), ``hydrostatic`` (n,) [Pa]. Of pressures the mean
+    over the diaphragm is removed; the viscous traction is a size, and its mean is not.
+    """
+    weight = node_areas(position[None], triangles)
+    parts = {
+        "hydrostatic_pressure_rms": hydrostatic,
+        "dynamic_pressure_rms": pressures.dynamic,
+        "unsteady_pressure_rms": pressures.dynamic - pressures.kinetic,
+        "kinetic_pressure_rms": pressures.kinetic,
+    }
+    found = {name: weighted_rms(values[None], weight) for name, values in parts.items()}
+    square = float(weight[0] @ pressures.viscous**2 / weight.sum())
+    return found | {"viscous_traction_rms": float(np.sqrt(square))}
 
 
 def flow_metrics(flow: FlowSample | None, non_orthogonality: float) -> dict[str, float]:
@@ -76,6 +124,7 @@ def flow_metrics(flow: FlowSample | None, non_orthogonality: float) -> dict[str,
             "non_orthogonality_max": non_orthogonality,
             "volume_error": 0.0,
             "continuity_error": 0.0,
+            "wall_distance": np.nan,
         }
     return liquid_metrics(flow) | {name: float(getattr(flow, name)) for name in MESH_METRICS}
 

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from cloth.energy import SheetEnergy
 from cloth.load import DRY, WET, WET_LONG_WAVES
 from cloth.mesh import hemisphere
 from cloth.settle import settle
@@ -39,6 +40,9 @@ class Diaphragm(Structure, Protocol):
     @property
     def state(self) -> DiaphragmState:
         """The committed state."""
+
+    def energy(self) -> SheetEnergy:
+        """Of the committed state."""
 
 
 def diaphragm_of(scene: Scene) -> Diaphragm:

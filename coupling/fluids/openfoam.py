@@ -20,6 +20,7 @@ from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate
+from coupling.foam.wall import WallFlow, wall_flow
 from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed
 
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
@@ -87,6 +88,7 @@ class OpenFoamFlow:
         self._following.place(patch, shell)
         self._moving = FluxRate(len(self.faces))
         self._sliding = FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
+        self._pressure_before = np.zeros(len(self.faces))  # p* on them a step ago [Pa]
 
     def begin_step(self, time: float, dt: float, shell: Array | None = None) -> None:
         """Start a step of ``dt`` [s] from the committed fields at ``time`` [s].
@@ -129,7 +131,8 @@ class OpenFoamFlow:
             self.time, self.time + self.dt, self._following.points_now
         )
         self._pressure = self.density * pressure
-        wall = self._wall_pressure(swept[: self.mesh.diaphragm_faces])
+        self._swept = swept[: self.mesh.diaphragm_faces]
+        wall = self._wall_pressure(self._swept)
         area = np.linalg.norm(self._now.face_area[self.mesh.diaphragm], axis=1)
         self._level = float(wall @ area / area.sum())
         self._face_pressure = wall - self._level
@@ -171,10 +174,16 @@ class OpenFoamFlow:
             self.case.remove(self.time)
         self.steps += 1
         self.time = round(self.time + self.dt, 11)
+        walls = wall_flow(
+            self.mesh, self._following.geometry, self._now, self._velocity,
+            dt=self.dt, viscosity=self.density * self.viscosity,
+        )  # fmt: skip
+        work = 0.5 * float((self._pressure_before + self._face_pressure) @ self._swept)
+        self._pressure_before = self._face_pressure
         self._following.accept_step()
-        return self._sample()
+        return self._sample(walls, work)
 
-    def _sample(self) -> FlowSample:
+    def _sample(self, walls: WallFlow, work: float) -> FlowSample:
         mesh, geometry = self.mesh, self._following.geometry
         boundary = slice(mesh.inner_faces, None)
         pressure = self._pressure[mesh.owner[boundary]] - self._level
@@ -186,16 +195,21 @@ class OpenFoamFlow:
         volume = float(geometry.volume.sum())
         return FlowSample(
             face_pressure=self._face_pressure,
+            kinetic_pressure=-0.5 * self.density * wall_speed**2,
+            viscous_traction=walls.traction,
             wall_pressure_force=force.sum(axis=0),
             wall_pressure_moment=np.cross(geometry.face_centre[boundary], force).sum(axis=0),
             speed_max=float(speed.max()),
             dphi_dt_max=float(np.abs(rate).max()),
             kinetic_energy=0.5 * self.density * float(geometry.volume @ speed**2),
+            wall_slip=walls.slip,
+            pressure_work=work,
             volume=volume,
             volume_error=abs(self._following.excess(self.points)) / self.volume,
             liquid_cg=geometry.volume @ geometry.centre / volume,
             continuity_error=self.case.continuity,
             non_orthogonality_max=self.non_orthogonality_max,
+            wall_distance=walls.distance,
         )
 
     def save(self) -> dict[str, AnyArray]:
@@ -208,6 +222,7 @@ class OpenFoamFlow:
             "points": self.mesh_points,
             "moving": self._moving.save(),
             "sliding": self._sliding.save(),
+            "pressure": self._pressure_before,
         }
         return saved | self.case.pack(self.time)
 
@@ -226,6 +241,7 @@ class OpenFoamFlow:
         self._following.return_to(saved["points"])
         self._moving.restore(saved["moving"])
         self._sliding.restore(saved["sliding"])
+        self._pressure_before = saved["pressure"]
         self.case.rewind(self.time)
         self._kept = set(self.case.times)
         self.case.unpack(self.time, saved)

@@ -51,26 +51,43 @@ class PotentialLiquid:
         velocity: Array,
         rate: Array,
         coefficient: Array,
+        *,
+        work: float,
     ) -> LiquidSample:
         """What the liquid does at a step's end; ``face_pressure`` is on the triangles.
 
         ``shape``: the liquid as the step took it, its sheet at ``points`` (n, 3) [m] moving at
         ``velocity`` (n, 3) [m/s]; ``rate`` [m^2/s^2] and ``coefficient`` [m^2/s] (k,) of dphi/dt
-        and phi. The largest speed is the one on the diaphragm. The shell's pressure beyond the
-        contact curve meets that on the sheet which lies on it, and both cancel in the force.
+        and phi; ``work`` [J] of p* on the sheet in the step. The largest speed is the one on the
+        diaphragm. The shell's pressure beyond the contact curve meets that on the sheet which lies
+        on it, and both cancel in the force; in ``wall_slip`` both count, small as they are there.
         """
         pressure, speed = bernoulli(self.ritz, shape.values, rate, coefficient)
-        on_shell, _ = bernoulli(self.ritz, self._shell_values, rate, coefficient)
+        on_shell, shell_speed = bernoulli(self.ritz, self._shell_values, rate, coefficient)
         nodal = shape.force(pressure)
         size = np.linalg.norm(shape.area, axis=1)
         return LiquidSample(
             face_pressure=pressure - pressure @ size / size.sum(),
+            kinetic_pressure=-0.5 * self.ritz.density * speed**2,
+            viscous_traction=np.zeros(len(speed)),
             wall_pressure_force=nodal.sum(axis=0) + on_shell @ self._shell_area,
             wall_pressure_moment=np.cross(points, nodal).sum(axis=0),
             speed_max=float(speed.max()),
             dphi_dt_max=float(np.abs(shape.values @ rate).max()),
             kinetic_energy=shape.kinetic_energy(velocity),
+            wall_slip=self._slip(shape, velocity, coefficient)
+            + float(shell_speed**2 @ np.linalg.norm(self._shell_area, axis=1)),
+            pressure_work=work,
         )
+
+    def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:
+        """int of the squared speed along the sheet [m^4/s^2], relative to it."""
+        slopes = self.ritz.harmonics.slopes
+        flow = np.stack([shape.values @ (slope @ coefficient) for slope in slopes], axis=1)
+        relative = flow - velocity[self.ritz.triangles].mean(axis=1)
+        size = np.linalg.norm(shape.area, axis=1)
+        along = np.einsum("tx,tx->t", relative, shape.area) / size
+        return float((np.sum(relative**2, axis=1) - along**2) @ size)
 
     def to_nodes(self, points: Array) -> coo_array:
         """Matrix (n, m) that averages values on triangles at ``points`` (n, 3) [m] to the nodes."""

@@ -64,7 +64,11 @@ def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics
     if len(results.time) == 0:
         return RunStatistics()
     _, per_step = np.unique(iterations[:, 0], return_counts=True)
-    largest = {name: float(np.nanmax(values)) for name, values in results.metrics.items()}
+    largest = {
+        name: float(np.nanmax(results.metrics[name]))
+        for name in ("speed_max", "dphi_dt_max")
+        if name in results.metrics
+    }
     simulated = float(results.time[-1])
     stress = results.tension / _thickness(results, scene)
     return RunStatistics(

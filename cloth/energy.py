@@ -1,0 +1,94 @@
+"""What energy the diaphragm holds, and what its own damping takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from cloth.arrays import Array
+from cloth.load import Settings
+from cloth.model import ClothModel
+from cloth.state import Memory
+
+
+@dataclass(frozen=True, kw_only=True)
+class SheetEnergy:
+    """Energies [J] of a sheet in its own frame, and powers [W] that its damping takes.
+
+    ``kinetic``; ``bending``, less the constant of the moulded curvature; ``stretch``, what the
+    strain limit holds left out: an inextensible sheet stores no energy in tension.
+    ``bending_damping`` and ``drag``: means over the last step, of the forces at its end.
+    """
+
+    kinetic: float
+    bending: float = 0.0
+    stretch: float = 0.0
+    bending_damping: float = 0.0
+    drag: float = 0.0
+
+
+def sheet_energy(model: ClothModel, settings: Settings, memory: Memory) -> SheetEnergy:
+    """Of a sheet that stands and moves as ``memory`` says; at rest where it has no last step.
+
+    The damping's forces are those of an implicit step, at its end, and their work is that on the
+    step's own displacement. The speed at the end times the length of the step would count
+    grid-scale trembling twice.
+    """
+    x, v, dt = memory.position, memory.velocity, float(memory.previous_dt[0])
+    _, gradient = model.volume_and_gradient(x)
+    size = np.linalg.norm(gradient, axis=1)
+    normal = gradient / np.where(size > 0.0, size, 1.0)[:, None]
+    bending_damping = drag = 0.0
+    if dt > 0.0:
+        mean, b = (x - memory.previous_position) / dt, 2.0 / 3.0 * dt
+        rate = (model.bending_force(x) - model.bending_force(x - b * v)) / b
+        sliding = v - np.einsum("id,id->i", v, normal)[:, None] * normal
+        bending_damping = -settings.bending_damping * float(np.vdot(mean, rate))
+        drag = settings.drag * float(model.mass @ np.einsum("id,id->i", mean, sliding))
+    return SheetEnergy(
+        kinetic=0.5 * float(model.mass @ np.einsum("id,id->i", v, v)),
+        bending=_bending(model, x, normal),
+        stretch=stretch_energy(model, x),
+        bending_damping=bending_damping,
+        drag=drag,
+    )
+
+
+def _bending(model: ClothModel, position: Array, normal: Array) -> float:
+    """1/2 sum_i w_i |(K x)_i - c_i n_i|^2 [J] of ``cloth.bending`` without the constant c_i^2."""
+    bent, size = model.bending, len(position)
+    rows = sp.csr_matrix((bent.values, bent.columns, bent.starts), shape=(size, size))
+    curvature = np.einsum("id,id->i", np.asarray(rows @ position), normal)
+    quadratic = 0.5 * float(np.vdot(position, bent.matrix @ position))
+    return quadratic - float(bent.moment @ curvature)
+
+
+def stretch_energy(model: ClothModel, position: Array) -> float:
+    """Energy [J] that the triangles at ``position`` (n, 3) [m] hold in their plane.
+
+    Per area, of principal strains e >= f: plane stress where both directions are taut, a tension
+    field T e^2/2 + C (f + nu e)^2/2 where the second is slack, C (e^2 + f^2)/2 where both are; T is
+    E t, C the compressive stiffness. These are the functions of which ``kernels.limited`` takes
+    the proximal points. Of an inextensible sheet only what is slack counts.
+    """
+    corner = position[model.triangles]
+    stretch = np.einsum("tid,tie->tde", corner, model.gradients)
+    first, second = stretch[:, :, 0], stretch[:, :, 1]
+    pairs = ((first, first), (first, second), (second, second))
+    a, b, c = (np.einsum("td,td->t", one, other) for one, other in pairs)
+    mean, spread = 0.5 * (a + c), np.hypot(0.5 * (a - c), b)
+    e = np.sqrt(mean + spread) - 1.0
+    f = np.sqrt(np.maximum(mean - spread, 0.0)) - 1.0
+    soft, nu = model.compressive, model.poisson
+    if not model.elastic:
+        density = 0.5 * soft * (np.minimum(e, 0.0) ** 2 + np.minimum(f, 0.0) ** 2)
+        return float(model.areas @ density)
+    stiff = model.tensile
+    taut = 0.25 * stiff * ((e + f) ** 2 / (1.0 - nu) + (e - f) ** 2 / (1.0 + nu))
+    field = 0.5 * stiff * e**2 + 0.5 * soft * (f + nu * e) ** 2
+    slack = 0.5 * soft * (e**2 + f**2)
+    both = (soft >= stiff) | (f >= -nu * e)
+    density = np.where(both, taut, np.where(e > 0.0, field, slack))
+    return float(model.areas @ density)

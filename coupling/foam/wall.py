@@ -1,0 +1,60 @@
+"""What the flow does along its walls: the viscous stress there, and how well it is resolved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupling.foam.geometry import CellGeometry
+from coupling.foam.mesh import LiquidMesh
+from coupling.ports import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallFlow:
+    """The flow at the walls at a step's end.
+
+    ``traction`` (F,) [Pa]: size of the viscous stress on the diaphragm's faces; ``slip``
+    [m^4/s^2]: int over all walls of the squared tangential speed of the cells beside them, relative
+    to the wall; ``distance`` [m] of those cells' centres, the mean over the walls' area.
+    """
+
+    traction: Array
+    slip: float
+    distance: float
+
+
+def wall_flow(
+    mesh: LiquidMesh,
+    start: CellGeometry,
+    end: CellGeometry,
+    velocity: Array,
+    *,
+    dt: float,
+    viscosity: float,
+) -> WallFlow:
+    """Of cells moving at ``velocity`` (c, 3) [m/s] at the end of a step of ``dt`` [s].
+
+    ``start``, ``end``: the mesh then; the diaphragm moves as its faces' centres do, the shell is at
+    rest. ``viscosity`` is the dynamic one [Pa s]. The stress mu (du + n n.du)/d takes the speed to
+    fall evenly over the half cell d, as the solver does: where a boundary layer is thinner than d
+    it is too small, by about the ratio of the two.
+    """
+    walls = slice(mesh.inner_faces, None)
+    area, centre, cell = end.face_area[walls], end.face_centre[walls], mesh.owner[walls]
+    size = np.linalg.norm(area, axis=1)
+    normal = area / size[:, None]
+    distance = np.einsum("fx,fx->f", centre - end.centre[cell], normal)
+    wall = np.zeros_like(centre)
+    count = mesh.diaphragm_faces
+    wall[:count] = (centre[:count] - start.face_centre[walls][:count]) / dt
+    relative = velocity[cell] - wall
+    along = np.einsum("fx,fx->f", relative, normal)[:, None] * normal
+    stress = viscosity * np.linalg.norm(relative + along, axis=1) / distance
+    slip = np.sum((relative - along) ** 2, axis=1)
+    return WallFlow(
+        traction=stress[:count],
+        slip=float(slip @ size),
+        distance=float(distance @ size / size.sum()),
+    )
