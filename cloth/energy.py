@@ -71,7 +71,7 @@ def stretch_energy(model: ClothModel, position: Array) -> float:
     Per area, of principal strains e >= f: plane stress where both directions are taut, a tension
     field T e^2/2 + C (f + nu e)^2/2 where the second is slack, C (e^2 + f^2)/2 where both are; T is
     E t, C the compressive stiffness. These are the functions of which ``kernels.limited`` takes
-    the proximal points. Of an inextensible sheet only what is slack counts.
+    the proximal points, but for terms of C beside T. Of an inextensible sheet what is slack counts.
     """
     corner = position[model.triangles]
     stretch = np.einsum("tid,tie->tde", corner, model.gradients)
