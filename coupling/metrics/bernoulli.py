@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from coupling.ports import Array, Ints
@@ -52,6 +54,35 @@ def dynamic_fraction(
     hydrostatic = density * np.einsum("tni,ti->tn", position, body_force)
     reference = weighted_rms(hydrostatic, weight)
     return _over(weighted_rms(dynamic_pressure, weight), reference)
+
+
+PARTS = {
+    "unsteady": "unsteady_pressure_rms",
+    "kinetic": "kinetic_pressure_rms",
+    "viscous": "viscous_traction_rms",
+}
+
+
+def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str, float | None]:
+    """rms over interface and time [Pa] of the hydrostatic pressure, of p* and of its parts.
+
+    ``metrics`` (T,) by name, rms over the interface at every instant, as ``dynamic_fraction`` has
+    them. ``unsteady``: p* less its kinetic part -rho |u|^2/2, which of an inviscid liquid is
+    -rho dphi/dt exactly, and otherwise holds what vorticity does as well. ``viscous``: the size of
+    the viscous stress on the diaphragm, which acts on it besides. None where the model has no flow,
+    or the results are of a version that did not tell.
+    """
+    names = {"hydrostatic": "hydrostatic_pressure_rms", "dynamic": "dynamic_pressure_rms"} | PARTS
+    return {
+        f"{name}_rms_Pa": _over_time(metrics.get(key))
+        if has_flow or name == "hydrostatic"
+        else None
+        for name, key in names.items()
+    }
+
+
+def _over_time(rms: Array | None) -> float | None:
+    return None if rms is None or len(rms) == 0 else float(np.sqrt(np.mean(rms**2)))
 
 
 def node_areas(position: Array, triangles: Ints) -> Array:

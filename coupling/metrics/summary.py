@@ -8,6 +8,7 @@ import numpy as np
 
 from coupling.atomic import plain
 from coupling.metrics import bernoulli
+from coupling.metrics.energy import energy_summary
 from coupling.metrics.forces import momentum_imbalance
 from coupling.metrics.gravity_centre import (
     neglected_momentum,
@@ -16,6 +17,8 @@ from coupling.metrics.gravity_centre import (
 )
 from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_periods
 from coupling.metrics.rubs import rub
+from coupling.metrics.transfer import tank_phasor, transfer
+from coupling.metrics.viscosity import layer_resolution
 from coupling.ports import Array, RunStatistics
 from coupling.results import Results
 from coupling.scene import Scene
@@ -31,10 +34,14 @@ def summarise(
     against the tank's displacement. A run shorter than a period, or a motion without one, gives
     half the peak-to-peak range and no phase (null). A model without a flow does not know the
     liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
+    ``transfer``: the CG over the tank's displacement d, the force over m omega^2 d. Peaks are the
+    largest sizes of each component at the instants written out, ``peak_dynamic_N`` less the weight.
     ``rubbing`` is what had gathered at the last instant, null where nothing slid. What cannot be
     said at all is null.
     """
     fits, strength = harmonics(results, scene), scene.diaphragm.strength
+    periods = fits["cg"].periods if fits else 0
+    weight = scene.liquid.density * scene.liquid_volume * np.array(scene.gravity)
     steps = max(statistics.steps, 1)
     content: dict[str, Any] = {
         "status": status,
@@ -59,11 +66,20 @@ def summarise(
             "unconverged_steps": statistics.unconverged_steps,
         },
         "cg": _moving(results.liquid_cg, fits, "cg", "m")
-        | {"mean_m": _mean(results.liquid_cg, fits)},
+        | {"mean_m": _mean(results.liquid_cg, fits), "transfer": _transfer(fits, "cg")},
         "force": _moving(results.force, fits, "force", "N")
-        | {"momentum_imbalance": _imbalance(fits, scene)},
+        | {"momentum_imbalance": _imbalance(fits, scene)}
+        | {"peak_N": _peak(results.force), "peak_dynamic_N": _peak(results.force - weight)}
+        | {"transfer": _transfer(fits, "force", inertia=_inertia(scene))},
+        "moment": _moving(results.moment, fits, "moment", "Nm")
+        | {"peak_Nm": _peak(results.moment)},
         "bernoulli": _bernoulli(results, statistics, scene, fits),
-        "fitted_periods": fits["cg"].periods if fits else 0,
+        "pressure": bernoulli.pressure_split(
+            results.metrics, has_flow=statistics.speed_max is not None
+        ),
+        "boundary_layer": layer_resolution(results, scene.liquid.viscosity, scene.motion.frequency),
+        "energy": energy_summary(results, scene.motion.frequency, periods),
+        "fitted_periods": periods,
         "error": error,
     }
     cleaned: dict[str, Any] = plain(content)
@@ -84,7 +100,7 @@ def _rubbing(results: Results) -> dict[str, Any]:
 
 
 def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
-    """First harmonics of ``cg``, ``force`` and the tank's ``displacement``.
+    """First harmonics of ``cg``, ``force``, ``moment`` and the tank's ``displacement``.
 
     Empty where there is no period, or no whole one in the results.
     """
@@ -98,6 +114,7 @@ def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
     signals = {
         "cg": results.liquid_cg,
         "force": results.force,
+        "moment": results.moment,
         "displacement": results.tank_displacement,
     }
     return {
@@ -118,6 +135,23 @@ def _moving(signal: Array, fits: dict[str, Harmonic], name: str, unit: str) -> d
         }
     amplitude = peak_amplitude(signal) if len(signal) > 1 else [None] * 3
     return {f"amplitude_{unit}": amplitude, "phase_deg": [None] * 3}
+
+
+def _transfer(fits: dict[str, Harmonic], name: str, inertia: float = 1.0) -> dict[str, Any] | None:
+    """Of ``name`` over ``inertia`` times the tank's displacement; None without a period."""
+    if not fits:
+        return None
+    return transfer(fits[name], inertia * tank_phasor(fits["displacement"].coefficient))
+
+
+def _inertia(scene: Scene) -> float:
+    """m omega^2 [N/m] of the liquid."""
+    mass = scene.liquid.density * scene.liquid_volume
+    return mass * (2.0 * np.pi * (scene.motion.frequency or 0.0)) ** 2
+
+
+def _peak(signal: Array) -> Any:
+    return np.abs(signal).max(axis=0) if len(signal) else [None] * 3
 
 
 def _mean(signal: Array, fits: dict[str, Harmonic]) -> Any:

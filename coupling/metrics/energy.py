@@ -1,0 +1,71 @@
+"""Where a run's energy went: by period, and by what took it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from coupling.ports import Array
+from coupling.results import Results
+
+SHARES = {
+    "liquid_J": "dissipated_by_liquid",
+    "bending_damping_J": "dissipated_by_bending",
+    "drag_J": "dissipated_by_drag",
+}
+
+
+def rest(metrics: dict[str, Array]) -> Array:
+    """What of ``dissipated`` (T,) [J] neither the liquid nor the sheet's damping took.
+
+    The sheet's impacts on the shell, on itself and where it snaps taut, and its time stepping.
+    Negative where those make energy.
+    """
+    known = sum((metrics[name] for name in SHARES.values()), np.zeros(1))
+    return np.asarray(metrics["dissipated"] - known)
+
+
+def energy_summary(results: Results, frequency: float | None, periods: int) -> dict[str, Any]:
+    """Energies [J] of a run, from the balance that ``coupling.energy`` sums over every step.
+
+    ``work_J`` and ``dissipated_J`` since the start; ``peak_J``: the largest mechanical energy above
+    the start's, of liquid and sheet. ``per_period``: means over the last ``periods`` of
+    ``frequency`` [Hz], ``fraction`` what is dissipated over the largest energy in them; None
+    without a period. ``removed_J`` stands within ``liquid_J``, None where nothing is removed by
+    rule; ``wall_layer_estimate_J`` stands beside the balance. Null without a balance.
+    """
+    metrics = results.metrics
+    if "dissipated" not in metrics or len(results.time) == 0:
+        return dict.fromkeys(("work_J", "dissipated_J", "peak_J", "per_period"))
+    work = metrics["tank_work"] + metrics["datum_work"]
+    return {
+        "work_J": work[-1],
+        "dissipated_J": metrics["dissipated"][-1],
+        "peak_J": metrics["mechanical_energy"].max(),
+        "per_period": _per_period(results, work, frequency, periods)
+        if periods and frequency
+        else None,
+    }
+
+
+def _per_period(results: Results, work: Array, frequency: float, periods: int) -> dict[str, Any]:
+    metrics, time = results.metrics, results.time
+    start = float(time[-1]) - periods / frequency
+
+    def a_period(sums: Array) -> float:
+        return float(sums[-1] - np.interp(start, time, sums)) / periods
+
+    peak = float(metrics["mechanical_energy"][time >= start].max())
+    dissipated, removed = a_period(metrics["dissipated"]), metrics.get("energy_removed")
+    layer = a_period(metrics["layer_estimate"])
+    return {
+        "work_J": a_period(work),
+        "dissipated_J": dissipated,
+        "fraction": dissipated / peak if peak > 0.0 else None,
+        "peak_J": peak,
+        **{name: a_period(metrics[key]) for name, key in SHARES.items()},
+        "rest_J": a_period(rest(metrics)),
+        "removed_J": None if removed is None else a_period(removed),
+        "wall_layer_estimate_J": layer if layer > 0.0 else None,
+    }
