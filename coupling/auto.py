@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,53 +17,15 @@ from coupling.atomic import write_json
 from coupling.driver import Progress, run
 from coupling.metrics.comparison import common_instants
 from coupling.model_errors import LADDER as RUNGS
-from coupling.model_errors import Estimate, estimates, shaking_of
-from coupling.numbers import numbers_of
+from coupling.model_errors import choose
 from coupling.ports import Array
 from coupling.results import read_results
 from coupling.scene import Scene, load_scene
+from coupling.shaking import driving_frequency
 
 FILE = "auto.json"
 CHECK_FOLDER = "check"
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Choice:
-    """``fluid`` chosen, the ``reason`` in a sentence, and the ``estimates`` that it rests on."""
-
-    fluid: str
-    reason: str
-    estimates: Mapping[str, Estimate]
-
-
-def choose(scene: Scene) -> Choice:
-    """The cheapest of RUNGS whose error keeps ``model.tolerance`` in nine scenes of ten.
-
-    Where none does it is the highest, and the reason says so.
-    """
-    known, tolerance = estimates(scene), scene.model.tolerance
-    for fluid in RUNGS:
-        if known[fluid].upper <= tolerance:
-            return Choice(fluid=fluid, reason=_reason(fluid, known, tolerance), estimates=known)
-    best = RUNGS[-1]
-    return Choice(
-        fluid=best,
-        reason=f"no model is expected to keep {tolerance:.3g}: {best} comes closest on this grid "
-        f"(expected {known[best].expected:.2g}, nine in ten below {known[best].upper:.2g})",
-        estimates=known,
-    )
-
-
-def _reason(fluid: str, known: Mapping[str, Estimate], tolerance: float) -> str:
-    one = known[fluid]
-    text = (
-        f"{fluid} is expected to err by {one.expected:.2g} in the CG motion, nine in ten below "
-        f"{one.upper:.2g}, within {tolerance:.3g}"
-    )
-    if one.outside:
-        text += f" (by the nearest data: {', '.join(one.outside)} lies beyond them)"
-    return text
 
 
 def run_auto(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
@@ -114,7 +74,9 @@ def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str,
         return {"against": None, "says": "there is no better model to check it on"}
     better = RUNGS[RUNGS.index(fluid) + 1]
     window = min(scene.time.duration, _first_period(scene))
-    part = scene.time.model_copy(update={"duration": max(window, scene.time.step), "output_every": 1})
+    part = scene.time.model_copy(
+        update={"duration": max(window, scene.time.step), "output_every": 1}
+    )
     summary = run(
         _on(scene, better).model_copy(update={"time": part}), folder / CHECK_FOLDER,
         progress=progress,
@@ -148,10 +110,8 @@ def path_error(time: Array, cg: Array, other_time: Array, other_cg: Array) -> fl
 
 
 def _first_period(scene: Scene) -> float:
-    if scene.period is not None:
-        return scene.period
-    ratio = shaking_of(scene).frequency_ratio
-    return 1.0 / (ratio * numbers_of(scene).slosh_frequency) if ratio > 0.0 else 0.0
+    frequency = driving_frequency(scene)
+    return 1.0 / frequency if frequency > 0.0 else 0.0
 
 
 def _on(scene: Scene, fluid: str) -> Scene:

@@ -21,6 +21,7 @@ from coupling.cli_options import (
 )
 from coupling.cli_sweep import sweep
 from coupling.exit_status import ExitStatus, guarded, run_app, stop
+from coupling.model_errors import choose
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
@@ -66,7 +67,7 @@ def run(
 ) -> None:
     """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
     scene = load_scene(scene_path, changes or ())
-    from coupling.auto import choose, run_auto
+    from coupling.auto import run_auto
     from coupling.driver import run as run_scene
 
     if scene.model.fluid == "auto":
@@ -173,18 +174,19 @@ def check(scene_path: ScenePath, changes: Changes = None, as_json: AsJson = Fals
     """Check a scene; say how good each fluid model is for it and what it costs."""
     scene = load_scene(scene_path, changes or ())
     need_openfoam(scene, [scene.model.fluid])
-    numbers = numbers_of(scene)
+    numbers, choice = numbers_of(scene), choose(scene)
     if as_json:
         print_json(
             {
                 "title": scene.title,
                 "numbers": numbers.to_dict(),
-                "models": model_estimates(scene, numbers),
-                "advised": numbers.advised,
+                "models": model_estimates(scene),
+                "advised": choice.fluid,
+                "reason": choice.reason,
             }
         )
     else:
-        print_check(scene, numbers)
+        print_check(scene, numbers, choice)
 
 
 @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})

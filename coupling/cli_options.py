@@ -11,7 +11,9 @@ import typer
 
 from coupling.exit_status import ExitStatus, stop
 from coupling.scene import Scene
-from coupling.scene_sections import LADDER as MODELS
+from coupling.scene_sections import LADDER
+
+MODELS = LADDER
 
 ScenePath = Annotated[
     Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")

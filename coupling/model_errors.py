@@ -8,15 +8,13 @@ first harmonic, |c - c_ref|/|c_ref|: amplitude and phase in one number.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 
-from coupling.motion_table import read_motion_table
 from coupling.numbers import numbers_of
 from coupling.ports import Array
 from coupling.scene import Scene
@@ -29,24 +27,7 @@ COLUMNS = (
 )  # fmt: skip
 QUANTITIES = ("f/f1", "a/g", "fill fraction")
 QUANTILE = 1.2816  # of the normal distribution: nine in ten lie below
-POWER = 0.9  # of a table's acceleration that lies below its characteristic frequency
 _FLOOR = 1e-6  # errors below are the solvers' own noise
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shaking:
-    """What an estimate depends on: ``frequency_ratio`` f/f1, ``acceleration_ratio`` a/g of the
-    largest tank acceleration, ``fill_fraction``; the first two are 0 at rest."""
-
-    frequency_ratio: float
-    acceleration_ratio: float
-    fill_fraction: float
-
-    @property
-    def coordinates(self) -> Array:
-        """(3,): logarithms to base 10 of the ratios, and the fill fraction."""
-        ratios = np.array([self.frequency_ratio, self.acceleration_ratio])
-        return np.append(np.log10(np.maximum(ratios, 1e-12)), self.fill_fraction)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,56 +42,25 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """One row of the data: ``model`` against ``reference`` in a scene of this ``shaking``."""
+    """One row of the data: ``model`` against ``reference`` in a scene at these ``coordinates``."""
 
     model: str
     reference: str
-    shaking: Shaking
+    coordinates: Array
     error: float
 
 
-def shaking_of(scene: Scene) -> Shaking:
-    """Of a sine, its own; of a table, the frequency that POWER of its acceleration lies below.
-
-    ``TableError`` if the table has changed since the scene was read and is now wrong.
-    """
-    numbers, gravity = numbers_of(scene), float(np.linalg.norm(scene.gravity))
-    frequency, acceleration = 0.0, 0.0
-    motion = scene.motion
-    if motion.kind == "sine" and motion.frequency and motion.amplitude:
-        frequency = motion.frequency
-        acceleration = motion.amplitude * (2.0 * np.pi * frequency) ** 2
-    elif motion.kind == "table" and motion.file:
-        table = read_motion_table(Path(motion.file))
-        frequency = characteristic_frequency(table.time, table.acceleration)
-        acceleration = float(np.linalg.norm(table.acceleration, axis=1).max())
-    return Shaking(
-        frequency_ratio=frequency / numbers.slosh_frequency,
-        acceleration_ratio=acceleration / gravity,
-        fill_fraction=scene.liquid.fill_fraction,
-    )
-
-
-def characteristic_frequency(time: Array, acceleration: Array) -> float:
-    """Frequency [Hz] below which POWER of the acceleration's energy lies, its mean left out.
-
-    ``time`` (T,) [s], ``acceleration`` (T, 3) [m/s^2], linear in between. 0 where nothing moves.
-    """
-    if len(time) < 2:
-        return 0.0
-    even = np.linspace(time[0], time[-1], max(4 * len(time), 64))
-    signal = np.stack([np.interp(even, time, part) for part in acceleration.T], axis=1)
-    spectrum = np.abs(np.fft.rfft(signal - signal.mean(axis=0), axis=0)) ** 2
-    energy = np.cumsum(spectrum.sum(axis=1))
-    if energy[-1] <= 0.0:
-        return 0.0
-    frequencies = np.fft.rfftfreq(len(even), even[1] - even[0])
-    return float(frequencies[np.searchsorted(energy, POWER * energy[-1])])
+def coordinates(
+    *, frequency_ratio: float, acceleration_ratio: float, fill_fraction: float
+) -> Array:
+    """What an estimate depends on (3,): log10 of f/f1 and of a/g, and the fill fraction."""
+    ratios = np.maximum([frequency_ratio, acceleration_ratio], 1e-12)
+    return np.append(np.log10(ratios), fill_fraction)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ErrorFit:
-    """log10 of an error as a polynomial of the shaking's coordinates, by least squares.
+    """log10 of an error as a polynomial of a scene's coordinates, by least squares.
 
     ``powers`` (k, 3) of the coordinates; ``coefficients`` (k,); ``spread``: rms of what the data
     miss when each is left out of its own fit; ``low``, ``high`` (3,): range of the data.
@@ -122,18 +72,15 @@ class ErrorFit:
     low: Array
     high: Array
 
-    def at(self, shaking: Shaking) -> Estimate:
-        """The estimate for a scene; coordinates beyond the data are taken at the data's edge."""
-        given = shaking.coordinates
+    def at(self, given: Array) -> Estimate:
+        """The estimate at coordinates (3,); those beyond the data are taken at the data's edge."""
         inside = np.clip(given, self.low, self.high)
         beyond = np.abs(given - inside) > 1e-9 * np.maximum(1.0, np.abs(given))
         log = float(_terms(inside[None], self.powers)[0] @ self.coefficients)
         return Estimate(
             expected=float(10.0**log),
             upper=float(10.0 ** (log + QUANTILE * self.spread)),
-            outside=tuple(
-                name for name, out in zip(QUANTITIES, beyond, strict=True) if out
-            ),
+            outside=tuple(name for name, out in zip(QUANTITIES, beyond, strict=True) if out),
         )
 
 
@@ -148,11 +95,11 @@ def fit_errors(rows: Sequence[Measured]) -> ErrorFit:
     powers = np.array(
         [p for p in np.ndindex(degree + 1, degree + 1, degree + 1) if sum(p) <= degree], dtype=float
     )
-    points = np.array([row.shaking.coordinates for row in rows])
+    points = np.array([row.coordinates for row in rows])
     logs = np.log10(np.maximum([row.error for row in rows], _FLOOR))
     terms = _terms(points, powers)
     inverse = np.linalg.pinv(terms)
-    coefficients = inverse @ logs
+    coefficients = np.asarray(inverse @ logs, dtype=np.float64)
     leverage = np.einsum("ij,ji->i", terms, inverse)
     missed = (logs - terms @ coefficients) / np.maximum(1.0 - leverage, 1e-6)
     return ErrorFit(
@@ -181,7 +128,7 @@ def read_rows(lines: Iterable[str]) -> list[Measured]:
         Measured(
             model=row["model"],
             reference=row["reference"],
-            shaking=Shaking(
+            coordinates=coordinates(
                 frequency_ratio=float(row["frequency_ratio"]),
                 acceleration_ratio=float(row["acceleration_ratio"]),
                 fill_fraction=float(row["fill_fraction"]),
@@ -199,10 +146,15 @@ def estimates(scene: Scene) -> dict[str, Estimate]:
     added in quadrature; that of ``openfoam`` is its grid's, which falls as the square of the cells'
     size. All are zero at rest, where the liquid is hydrostatic exactly.
     """
-    shaking = shaking_of(scene)
-    if shaking.acceleration_ratio == 0.0:
+    numbers = numbers_of(scene)
+    if numbers.acceleration_ratio == 0.0:
         return {name: Estimate(expected=0.0, upper=0.0) for name in LADDER}
-    hydrostatic, potential, openfoam = (fitted(name).at(shaking) for name in LADDER)
+    place = coordinates(
+        frequency_ratio=numbers.frequency_ratio,
+        acceleration_ratio=numbers.acceleration_ratio,
+        fill_fraction=numbers.fill_fraction,
+    )
+    hydrostatic, potential, openfoam = (fitted(name).at(place) for name in LADDER)
     finer = (CELLS / scene.openfoam.cells) ** (2.0 / 3.0)
     return {
         "hydrostatic": _together(hydrostatic, potential),
@@ -219,3 +171,41 @@ def _together(own: Estimate, above: Estimate) -> Estimate:
         upper=float(np.hypot(own.upper, above.upper)),
         outside=tuple(dict.fromkeys((*own.outside, *above.outside))),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """``fluid`` chosen, the ``reason`` in a sentence, and the ``estimates`` that it rests on."""
+
+    fluid: str
+    reason: str
+    estimates: Mapping[str, Estimate]
+
+
+def choose(scene: Scene) -> Choice:
+    """The cheapest of LADDER whose error keeps ``model.tolerance`` in nine scenes of ten.
+
+    Where none does it is the highest, and the reason says so.
+    """
+    known, tolerance = estimates(scene), scene.model.tolerance
+    for fluid in LADDER:
+        if known[fluid].upper <= tolerance:
+            return Choice(fluid=fluid, reason=_reason(fluid, known, tolerance), estimates=known)
+    best = LADDER[-1]
+    return Choice(
+        fluid=best,
+        reason=f"no model is expected to keep {tolerance:.3g}: {best} comes closest on this grid "
+        f"(expected {known[best].expected:.2g}, nine in ten below {known[best].upper:.2g})",
+        estimates=known,
+    )
+
+
+def _reason(fluid: str, known: Mapping[str, Estimate], tolerance: float) -> str:
+    one = known[fluid]
+    text = (
+        f"{fluid} is expected to err by {one.expected:.2g} in the CG motion, nine in ten below "
+        f"{one.upper:.2g}, within {tolerance:.3g}"
+    )
+    if one.outside:
+        text += f" (by the nearest data: {', '.join(one.outside)} lies beyond them)"
+    return text

@@ -6,17 +6,14 @@ Nothing here is a result: estimates from formulas and from the slosh frequency o
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from coupling.motion_table import read_motion_table
 from coupling.scene import Scene
+from coupling.shaking import driving_frequency, largest_body_force, peak_accelerations
 from coupling.sloshing_modes import covered_eigenvalue, slosh_eigenvalue
 from coupling.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
-
-HYDROSTATIC_IS_ENOUGH = 0.05
 
 
 def level_of_fill_fraction(fill_fraction: float) -> float:
@@ -77,23 +74,6 @@ def membrane_parameter(
     return density * body_force * radius**2 / (youngs_modulus * thickness)
 
 
-def largest_body_force(scene: Scene) -> float:
-    """Largest |g - a| [m/s^2] of the motion, a the tank's acceleration.
-
-    ``sine``: a = A (2 pi f)^2 either way along its direction; what the smooth start adds is left
-    out. ``table``: the largest of its lines, within the run or not.
-    ``TableError`` if the table has changed since the scene was read and is now wrong.
-    """
-    motion, gravity = scene.motion, np.array(scene.gravity)
-    accelerations = np.zeros((1, 3))
-    if motion.kind == "sine" and motion.amplitude and motion.frequency:
-        peak = motion.amplitude * (2.0 * np.pi * motion.frequency) ** 2
-        accelerations = np.outer([peak, -peak], motion.unit_direction)
-    elif motion.kind == "table" and motion.file:
-        accelerations = read_motion_table(Path(motion.file)).acceleration
-    return float(np.linalg.norm(gravity - accelerations, axis=1).max())
-
-
 def added_mass_ratio(
     *, density: float, radius: float, area_density: float, eigenvalue: float
 ) -> float:
@@ -119,29 +99,28 @@ def hydrostatic_error(frequency: float, slosh_frequency: float) -> float:
     return (frequency / slosh_frequency) ** 2
 
 
-def openfoam_error(cells: int) -> float:
-    """Error of the added mass on a mesh of ``cells``, from 2.2 % at 1216 and 0.8 % at 9728."""
-    return float(0.022 * (1216.0 / cells) ** 0.486)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Numbers:
     """What can be said of a scene without running it.
 
     Frequencies [Hz], body force [m/s^2], wavelength and spacing [m], the rest dimensionless; None
-    without a surface tension or a single frequency. ``slosh_frequency``: below a limp sheet of the
-    diaphragm's mass, flat on the level; its stiffness raises it (by 3 % in ``foam_cases/slosh``),
-    its folds lower it. Of a thickness map the mean counts, for the wrinkles the least.
-    ``wrinkling_allowed``: "resolved" from ``rings_to_resolve`` on.
+    without a surface tension. ``frequency``: see ``driving_frequency``; ``acceleration_ratio``:
+    largest of the tank over gravity; ``hydrostatic_error``: by the rule (f/f1)^2.
+    ``slosh_frequency``: below a limp sheet of the diaphragm's mass, flat on the level; its
+    stiffness raises it (by 3 % in ``foam_cases/slosh``), its folds lower it. Of a thickness map
+    the mean counts, for the wrinkles the least. ``wrinkling_allowed``: "resolved" from
+    ``rings_to_resolve`` on.
     """
 
+    fill_fraction: float
     level: float
     slosh_frequency: float
-    frequency: float | None
-    frequency_ratio: float | None
+    frequency: float
+    frequency_ratio: float
+    acceleration_ratio: float
     bond: float | None
     weber: float | None
-    froude: float | None
+    froude: float
     largest_body_force: float
     membrane_parameter: float
     elasto_gravity_wavelength: float
@@ -150,34 +129,24 @@ class Numbers:
     rings_to_resolve: int
     wrinkling_allowed: str
     added_mass_ratio: float
-    hydrostatic_error: float | None
-    openfoam_error: float
-    advised: str
+    hydrostatic_error: float
 
     def to_dict(self) -> dict[str, float | str | None]:
         """Plain values by name."""
         return asdict(self)
 
 
-def _driving_frequency(scene: Scene) -> float | None:
-    """[Hz]; 0 at rest, None for a motion table."""
-    frequencies = {"rest": 0.0, "sine": scene.motion.frequency, "table": None}
-    return frequencies[scene.motion.kind]
-
-
-def _similarity(scene: Scene, gravity: float, frequency: float | None) -> dict[str, Any]:
-    """Bond, Weber and Froude numbers, None where sigma or the frequency is not known."""
+def _similarity(scene: Scene, gravity: float, frequency: float) -> dict[str, Any]:
+    """Bond, Weber and Froude numbers, the first two None where sigma is not known."""
     radius, density = scene.tank.radius, scene.liquid.density
-    bond = weber = froude = None
+    bond = weber = None
     sigma = scene.liquid.surface_tension
     if sigma is not None:
         bond = bond_number(density=density, gravity=gravity, radius=radius, surface_tension=sigma)
-    if frequency is not None:
-        froude = froude_number(frequency=frequency, radius=radius, gravity=gravity)
-    if sigma is not None and frequency is not None:
         weber = weber_number(
             density=density, frequency=frequency, radius=radius, surface_tension=sigma
         )
+    froude = froude_number(frequency=frequency, radius=radius, gravity=gravity)
     return {"bond": bond, "weber": weber, "froude": froude}
 
 
@@ -197,13 +166,13 @@ def _wrinkles(scene: Scene) -> dict[str, Any]:
 
 
 def numbers_of(scene: Scene) -> Numbers:
-    """Dimensionless numbers and estimated model errors of ``scene``.
+    """Dimensionless numbers of ``scene``.
 
-    A motion table has no single frequency: then the error of hydrostatics is unknown and the
-    advice is ``openfoam``. A tank at rest is hydrostatic exactly.
+    ``TableError`` if its motion table has changed since the scene was read and is now wrong.
     """
     radius, density, rubber = scene.tank.radius, scene.liquid.density, scene.diaphragm
     gravity = float(np.linalg.norm(scene.gravity))
+    accelerations = peak_accelerations(scene)
     body_force = largest_body_force(scene)
     level = level_of_fill_fraction(scene.liquid.fill_fraction)
     f1 = slosh_frequency(
@@ -212,14 +181,14 @@ def numbers_of(scene: Scene) -> Numbers:
         fill_fraction=scene.liquid.fill_fraction,
         cover=rubber.sheet.area_density / (density * radius),
     )
-    f = _driving_frequency(scene)
-    error = None if f is None else hydrostatic_error(f, f1)
-    enough = error is not None and error < HYDROSTATIC_IS_ENOUGH
+    f = driving_frequency(scene)
     return Numbers(
+        fill_fraction=scene.liquid.fill_fraction,
         level=level,
         slosh_frequency=f1,
         frequency=f,
-        frequency_ratio=None if f is None else f / f1,
+        frequency_ratio=f / f1,
+        acceleration_ratio=float(np.linalg.norm(accelerations, axis=1).max()) / gravity,
         largest_body_force=body_force,
         membrane_parameter=membrane_parameter(
             density=density,
@@ -234,9 +203,7 @@ def numbers_of(scene: Scene) -> Numbers:
             area_density=rubber.sheet.area_density,
             eigenvalue=slosh_eigenvalue(level),
         ),
-        hydrostatic_error=error,
-        openfoam_error=openfoam_error(scene.openfoam.cells),
-        advised="hydrostatic" if enough else "openfoam",
+        hydrostatic_error=hydrostatic_error(f, f1),
         **_similarity(scene, gravity, f),
         **_wrinkles(scene),
     )

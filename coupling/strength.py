@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from coupling.numbers import largest_body_force
 from coupling.scene import Scene
+from coupling.shaking import largest_body_force
 
 
 def stress_estimate(scene: Scene) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from coupling.cost import run_cost
+from coupling.model_errors import Choice, estimates
 from coupling.numbers import Numbers
 from coupling.scene import Scene
 from coupling.strength import burst_warning
@@ -119,29 +121,23 @@ def print_study(study: Mapping[str, Any], folder: Path) -> None:
         print(study["advice"])
 
 
-def model_estimates(scene: Scene, numbers: Numbers) -> dict[str, dict[str, float | None]]:
-    """Estimated relative error and wall time [s] of each fluid model for ``scene``.
-
-    The potential's is not known before a run: it lacks friction and separation alone.
-    """
-    errors = {
-        "datum": numbers.hydrostatic_error,
-        "hydrostatic": numbers.hydrostatic_error,
-        "potential": None,
-        "openfoam": numbers.openfoam_error,
-    }
+def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Estimated relative error of the CG motion and wall time [s] of each model for ``scene``."""
     return {
-        name: {"error": error, "wall_s": run_cost(scene, name)} for name, error in errors.items()
+        name: {**asdict(error), "wall_s": run_cost(scene, name)}
+        for name, error in estimates(scene).items()
     }
 
 
-def print_check(scene: Scene, numbers: Numbers) -> None:
+def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
     """Dimensionless numbers, model errors and costs of a scene."""
     names = {
         "level": "level h/R",
         "slosh_frequency": "first slosh frequency f1 [Hz]",
         "frequency": "driving frequency f [Hz]",
         "frequency_ratio": "f/f1",
+        "hydrostatic_error": "neglected by hydrostatics: (f/f1)^2",
+        "acceleration_ratio": "largest acceleration over gravity",
         "bond": "Bond number",
         "weber": "Weber number",
         "froude": "Froude number",
@@ -157,12 +153,12 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
     values = numbers.to_dict()
     rows = [(text, figure(values[key])) for key, text in names.items()]
     print_table(scene.title, ("number", "value"), rows)
-    estimates = [
-        (name, figure(row["error"], 2), f"{row['wall_s']:.0f}")
-        for name, row in model_estimates(scene, numbers).items()
+    expected = [
+        (name, figure(row["expected"], 2), figure(row["upper"], 2), f"{row['wall_s']:.0f}")
+        for name, row in model_estimates(scene).items()
     ]
-    print_table("estimates", ("fluid model", "relative error", "wall time [s]"), estimates)
-    print("hydrostatic error: (f/f1)^2. datum: besides, its volume of liquid drifts.")
+    heads = ("fluid model", "error of the CG motion", "nine in ten below", "wall time [s]")
+    print_table("estimates", heads, expected)
     left_out = ", which inextensibility leaves out" if scene.diaphragm.inextensible else ""
     print(
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "
@@ -171,7 +167,7 @@ def print_check(scene: Scene, numbers: Numbers) -> None:
     burst = burst_warning(scene)
     if burst is not None:
         print(burst)
-    print(f"advised: {numbers.advised} (the scene says {scene.model.fluid})")
+    print(f"advised: {choice.fluid} (the scene says {scene.model.fluid}). {choice.reason}.")
 
 
 def print_verify(results: Sequence[VerifyResult], failures: Mapping[str, str]) -> None:

@@ -57,8 +57,6 @@ def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
     rule = (
         f" The rule (f/f₁)² expects the neglected pressure at {percent(expected)} of the "
         "hydrostatic variation."
-        if expected is not None
-        else ""
     )
     return headline, (
         "The centre of gravity that it finds accelerates within the tank, which would take a "

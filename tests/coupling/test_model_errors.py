@@ -1,0 +1,105 @@
+"""Estimated errors of the fluid models: the fit, and what the data that come with it say."""
+
+import numpy as np
+import pytest
+
+from coupling.model_errors import (
+    LADDER,
+    QUANTILE,
+    Measured,
+    choose,
+    coordinates,
+    estimates,
+    fit_errors,
+)
+from coupling.scene import scene_from
+
+
+def measured(error, *, noise=0.0, count=60):
+    """Rows on random places with the errors ``error(f/f1, a/g, FF)``, log-normally disturbed."""
+    random = np.random.default_rng(1)
+    rows = []
+    for _ in range(count):
+        ratio, acceleration = 10.0 ** random.uniform(-1.0, 0.6), 10.0 ** random.uniform(-2.0, 0.0)
+        fill = random.uniform(0.2, 0.9)
+        place = coordinates(
+            frequency_ratio=ratio, acceleration_ratio=acceleration, fill_fraction=fill
+        )
+        value = error(ratio, acceleration, fill) * 10.0 ** (noise * random.standard_normal())
+        rows.append(Measured(model="m", reference="r", coordinates=place, error=value))
+    return rows
+
+
+def test_a_power_law_is_found_exactly():
+    fit = fit_errors(measured(lambda r, a, f: 0.3 * r**2 / a**0.1 * 10.0 ** (0.2 * f)))
+    place = coordinates(frequency_ratio=0.5, acceleration_ratio=0.1, fill_fraction=0.6)
+    one = fit.at(place)
+    # a least squares solution of a well-conditioned system: rounding alone
+    assert one.expected == pytest.approx(0.3 * 0.25 / 0.1**0.1 * 10.0**0.12, rel=1e-9)
+    assert one.upper == pytest.approx(one.expected, rel=1e-9)
+    assert one.outside == ()
+
+
+def test_nine_in_ten_lie_below_the_upper_bound():
+    rows = measured(lambda r, a, f: r**2, noise=0.1, count=400)
+    fit = fit_errors(rows[:200])
+    below = sum(row.error <= fit.at(row.coordinates).upper for row in rows[200:])
+    # binomial: 180 expected of 200, four standard deviations are 17
+    assert abs(below - 180) <= 17
+    assert fit.spread == pytest.approx(0.1, rel=0.2)  # 200 samples: 1/sqrt(400) a deviation
+    assert pytest.approx(1.2816) == QUANTILE
+
+
+def test_beyond_the_data_their_edge_speaks():
+    fit = fit_errors(measured(lambda r, a, f: r**2))
+    far = fit.at(coordinates(frequency_ratio=1e-3, acceleration_ratio=0.1, fill_fraction=0.5))
+    edge = fit.low.copy()
+    edge[1:] = -1.0, 0.5
+    assert far.outside == ("f/f1",)
+    assert far.expected == fit.at(edge).expected
+
+
+def test_too_few_rows_are_refused():
+    with pytest.raises(ValueError, match=r"six rows or more, got 5"):
+        fit_errors(measured(lambda r, a, f: r**2, count=5))
+
+
+def scene(**sections):
+    base = {
+        "tank": {"radius": 0.4445},
+        "diaphragm": {"thickness": 0.001778, "material": "AF-E-332"},
+        "liquid": {"name": "water", "fill_fraction": 0.5},
+        "motion": {"kind": "sine", "frequency": 0.1, "acceleration": 0.981},
+        "model": {"fluid": "auto"},
+        "time": {"periods": 3.0, "steps_per_period": 60},
+    }
+    return scene_from(base | sections)
+
+
+def test_slow_shaking_is_hydrostatic_and_fast_shaking_is_not():
+    slow = choose(scene())
+    assert slow.fluid == "hydrostatic"
+    # (f/f1)^2 is 0.012 there, and 1.3 at 1.05 Hz
+    assert 0.003 < slow.estimates["hydrostatic"].expected < 0.05
+    fast = choose(scene(motion={"kind": "sine", "frequency": 1.05, "acceleration": 0.981}))
+    assert fast.estimates["hydrostatic"].expected > 0.3
+    assert fast.fluid != "hydrostatic"
+
+
+def test_a_tank_at_rest_is_hydrostatic():
+    still = choose(scene(motion={"kind": "rest"}, time={"duration": 1.0}))
+    assert still.fluid == "hydrostatic"
+    assert all(one.upper == 0.0 for one in still.estimates.values())
+
+
+def test_where_none_is_good_enough_the_best_is_taken_and_said_so():
+    choice = choose(scene(model={"fluid": "auto", "tolerance": 1e-5}))
+    assert choice.fluid == "openfoam"
+    assert choice.reason.startswith("no model is expected to keep 1e-05")
+
+
+def test_finer_cells_lower_the_error_of_openfoam():
+    coarse, fine = (estimates(scene(openfoam={"cells": n}))["openfoam"] for n in (1300, 10400))
+    # of second order in the cells' size: eight times the cells, a quarter of the error
+    assert fine.expected == pytest.approx(coarse.expected / 4.0, rel=1e-12)
+    assert set(LADDER) == set(estimates(scene()))
