@@ -46,7 +46,7 @@ def run_study(
     summaries: dict[str, dict[str, Any]] = {}
     for name, place, variant in _planned(scene, models, folder, summaries):
         _log.info("study: %s in %s", name, place)
-        summaries[name] = complete_run(variant, place, _prefixed(progress, name))
+        summaries[name] = run_or_reuse(variant, place, _prefixed(progress, name))
         study = _study(scene, models, folder, summaries)
         write_json(folder / FILE, study)
     write_report(folder)
@@ -90,14 +90,14 @@ def _with(scene: Scene, section: str, **values: Any) -> Scene:
     return scene.model_copy(update={section: getattr(scene, section).model_copy(update=values)})
 
 
-def complete_run(scene: Scene, folder: Path, progress: Progress | None = None) -> dict[str, Any]:
-    """Summary of a run, taken from ``folder``, resumed or made; of a failed one too.
+def run_or_reuse(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:
+    """Summary of ``scene`` run in ``folder``: of a complete run there, resumed, or made anew.
 
-    A run that is complete there, of the same scene, is not run again; one that was interrupted
-    goes on from its checkpoint; one that failed, or of another scene, is replaced.
+    One that fails is told by its ``status`` and ``error``. ``folder`` is emptied where it holds
+    another scene.
     """
     try:
-        if _same_scene(scene, folder):
+        if same_scene_there(scene, folder):
             known = read_summary(folder)
             if known.get("status") == "completed":
                 return known
@@ -110,14 +110,8 @@ def complete_run(scene: Scene, folder: Path, progress: Progress | None = None) -
         return {**read_summary(folder), "status": "failed", "error": str(error)}
 
 
-def finished_summary(scene: Scene, folder: Path) -> dict[str, Any] | None:
-    """``summary.json`` of ``folder`` where a run of ``scene`` is complete there, else None."""
-    known = read_summary(folder)
-    complete = known.get("status") == "completed" and _same_scene(scene, folder)
-    return known if complete else None
-
-
-def _same_scene(scene: Scene, folder: Path) -> bool:
+def same_scene_there(scene: Scene, folder: Path) -> bool:
+    """Whether ``folder`` holds a run of ``scene``, however far that came."""
     if not (folder / "scene.toml").is_file():
         return False
     try:
