@@ -32,7 +32,9 @@ from coupling.run_folder import (
     default_folder,
     prepare_folder,
 )
-from coupling.scene import load_scene
+from coupling.scene import Scene, load_scene
+from coupling.scene_sections import Model
+from coupling.study_plan import ROWS
 from coupling.tables import (
     model_estimates,
     print_check,
@@ -45,7 +47,7 @@ from coupling.tables import (
 from coupling.verify import CASES, option_pairs, run_all, run_case
 
 PICTURES = frozenset({".pdf", ".png", ".svg"})
-STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *MODELS})
+STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *ROWS})
 
 app = typer.Typer(
     help="Fluid-structure interaction of spherical elastomeric diaphragm tanks.",
@@ -123,6 +125,14 @@ def study(
     models: Annotated[
         str, typer.Option("--models", help="Fluid models, separated by commas.")
     ] = ",".join(MODELS),
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick",
+            help="Only the models, and the best one less resolved: no other resolutions, no "
+            "thesis' algorithm, no diaphragm that stretches.",
+        ),
+    ] = False,
     output: Output = None,
     changes: Changes = None,
     force: Force = False,
@@ -136,8 +146,8 @@ def study(
     prepare_folder(folder, force=force, study=STUDY_FILES)
     from coupling.study import run_study
 
-    with resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
-        outcome = run_study(scene, chosen, folder, progress=progress)
+    with _resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
+        outcome = run_study(scene, chosen, folder, quick=quick, progress=progress)
     if as_json:
         print_json(outcome)
     else:

@@ -102,23 +102,56 @@ _ERRORS = {
 
 
 def print_study(study: Mapping[str, Any], folder: Path) -> None:
-    """Speed against error of a study, one row a model."""
+    """Errors of a study with their bars, one row a model; then speed against error."""
     models: Mapping[str, Mapping[str, Any]] = study.get("models") or {}
     names = list(dict.fromkeys(name for row in models.values() for name in row.get("error") or {}))
+    heads = [_ERRORS.get(name, name) for name in names]
+    bars = study.get("uncertainty") or {}
     rows = [
         (
             model,
             figure(row.get("wall_s")),
             figure(row.get("speedup"), 3),
-            *(figure((row.get("error") or {}).get(name), 3) for name in names),
+            *_errors(row.get("error") or {}, names, {} if model == study["reference"] else bars),
         )
         for model, row in models.items()
     ]
-    title = f"errors against {study.get('reference')}, in {folder}"
-    heads = [_ERRORS.get(name, name) for name in names]
+    rows += [
+        (f"{model} against {row['model']}", "", "", *_errors(row["against_same_model"], names, {}))
+        for model, row in models.items()
+        if row.get("against_same_model")
+    ]
+    title = f"errors against {study.get('reference')}, ± its own, in {folder}"
     print_table(title, ("model", "wall [s]", "speedup", *heads), rows)
-    if study.get("advice"):
-        print(study["advice"])
+    if study.get("points"):
+        _print_points(study["points"], [name for name in names if not name.endswith("_deg")])
+    for sentence in (study.get("verdict"), study.get("advice")):
+        if sentence:
+            print(sentence)
+
+
+def _errors(
+    errors: Mapping[str, Any], names: Sequence[str], bars: Mapping[str, Any]
+) -> Iterable[str]:
+    for name in names:
+        text, bar = figure(errors.get(name), 3), bars.get(name)
+        yield text if bar is None or text == "-" else f"{text} ± {figure(bar, 2)}"
+
+
+def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
+    rows = [
+        (
+            f"{point['model']}, {point['resolution'].replace('_', ' ')}",
+            figure(point["wall_s"]),
+            *(
+                figure(point["error"].get(name), 3) + (" *" if name in point["on_front"] else "")
+                for name in names
+            ),
+        )
+        for point in sorted(points, key=lambda item: item["wall_s"] or float("inf"))
+    ]
+    heads = [_ERRORS.get(name, name) for name in names]
+    print_table("speed against error, * on the front", ("run", "wall [s]", *heads), rows)
 
 
 def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:

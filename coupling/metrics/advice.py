@@ -1,12 +1,16 @@
-"""Which model to use, in a sentence."""
+"""How wrong hydrostatics is and which model to use, a sentence each, error bars counted."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-_ENOUGH = 0.05
-LEVELS = (0.01, 0.05, 0.2)  # of relative errors: good, enough, poor
+from coupling.metrics.comparison import Errors
+
+Row = Mapping[str, Any]
+_Known = Mapping[str, Mapping[str, float]]  # errors by row and figure
+
+ENOUGH = 0.05
 _WORDS = {
     "shape_rms": "shape",
     "cg_amplitude": "CG amplitude",
@@ -15,43 +19,124 @@ _WORDS = {
 }
 
 
-def advice(reference: str | None, rows: Mapping[str, Mapping[str, Any]]) -> str:
-    """The fastest of the study's ``rows`` within 5 % of ``reference`` in every figure.
+def verdict(reference: str | None, rows: Mapping[str, Row], bars: Errors) -> str:
+    """How wrong the hydrostatic pressure is in the CG's amplitude and phase.
 
-    The phase is left out: it is an angle, and follows the amplitudes.
+    Empty where ``rows`` hold no completed run of it beside the ``reference``.
     """
+    errors = rows.get("hydrostatic", {}).get("error") or {}
+    amplitude, bar = errors.get("cg_amplitude"), bars.get("cg_amplitude")
+    if reference in (None, "hydrostatic", "datum") or amplitude is None:
+        return ""
+    if bar is not None and amplitude < bar:
+        return (
+            f"Hydrostatics errs by {_percent(amplitude)} in the CG amplitude, which is within the "
+            f"{_percent(bar)} that {reference} itself may err by: no difference can be told."
+        )
+    said = f"Hydrostatics errs by {_with_bar(amplitude, bar)} in the CG amplitude"
+    phase, bar = errors.get("cg_phase_deg"), bars.get("cg_phase_deg")
+    if phase is not None and (bar is None or phase >= bar):
+        said += (
+            f" and by {phase:.2g}°" + ("" if bar is None else f" ± {bar:.2g}°") + " in its phase"
+        )
+    return f"{said}, against {reference}."
+
+
+def advice(reference: str | None, rows: Mapping[str, Row], bars: Errors | None = None) -> str:
+    """The fastest of the study's ladder that is within 5 % of ``reference`` in every figure.
+
+    Within counts the error bar. Where none is, the fastest that cannot be told from the reference:
+    each of its errors is below 5 % or below the bar. The phase is left out: it is an angle, and
+    follows the amplitudes. The thesis' algorithm and what only changes the diaphragm are not
+    advised.
+    """
+    bars = bars or {}
     if reference is None:
         return "No model completed: nothing can be advised."
     if not rows.get(reference, {}).get("error"):
         return f"The reference, {reference}, has not completed yet."
     others = {
-        name: row for name, row in rows.items() if name != reference and worst(row) is not None
+        name: found
+        for name, row in rows.items()
+        if name not in (reference, "thesis") and row.get("model", name) == name
+        if (found := _relative(row))
     }
     if not others:
         return f"Only {reference} completed: there is nothing to compare it with."
-    good = [name for name, row in others.items() if (worst(row) or ("", 0.0))[1] <= _ENOUGH]
-    if not good:
-        name = min(others, key=lambda key: (worst(others[key]) or ("", 0.0))[1])
-        what, error = worst(others[name]) or ("", 0.0)
-        return (
-            f"Use {reference}. The best of the others, {name}, errs by "
-            f"{_percent(error)} in {_WORDS[what]}, above the {_percent(_ENOUGH)} that is asked for."
-        )
-    name = min(good, key=lambda key: float(others[key].get("wall_s") or 0.0))
-    what, error = worst(others[name]) or ("", 0.0)
+
     return (
-        f"Use {name}: it stays within {_percent(error, 1)} of {reference} in every "
-        f"figure (worst: {_WORDS[what]}) and is "
-        f"{others[name].get('speedup') or 0.0:.3g} times as fast."
+        _within(reference, rows, others, bars)
+        or _alike(reference, rows, others, bars)
+        or _too_far(reference, others, bars)
     )
+
+
+def _within(reference: str, rows: Mapping[str, Row], others: _Known, bars: Errors) -> str:
+    """On the fastest whose errors and bars together stay below what is asked for, if any."""
+    reach = {
+        name: max((error + (bars.get(figure) or 0.0), figure) for figure, error in errors.items())
+        for name, errors in others.items()
+    }
+    good = [name for name, (most, _) in reach.items() if most <= ENOUGH]
+    if not good:
+        return ""
+    name = _fastest(good, rows)
+    most, figure = reach[name]
+    return (
+        f"Use {name}: it stays within {_percent(most, 1)} of {reference} in every figure, "
+        f"error bars included (worst: {_WORDS[figure]}), and is {_speed(rows[name])}."
+    )
+
+
+def _alike(reference: str, rows: Mapping[str, Row], others: _Known, bars: Errors) -> str:
+    """On the fastest that the bars do not tell from the reference, if any."""
+    alike = [
+        name
+        for name, errors in others.items()
+        if all(error <= max(ENOUGH, bars.get(figure) or 0.0) for figure, error in errors.items())
+    ]
+    if not alike:
+        return ""
+    name = _fastest(alike, rows)
+    figure, error = _worst(others[name])
+    return (
+        f"Use {name}: it cannot be told from {reference} within the error bars (worst: "
+        f"{_with_bar(error, bars.get(figure))} in {_WORDS[figure]}), and is {_speed(rows[name])}. "
+        f"Whether it is within {_percent(ENOUGH)} takes a finer {reference} to say."
+    )
+
+
+def _too_far(reference: str, others: _Known, bars: Errors) -> str:
+    name = min(others, key=lambda key: _worst(others[key])[1])
+    figure, error = _worst(others[name])
+    return (
+        f"Use {reference}. The best of the others, {name}, errs by "
+        f"{_with_bar(error, bars.get(figure))} in {_WORDS[figure]}, above the "
+        f"{_percent(ENOUGH)} that is asked for."
+    )
+
+
+def _worst(errors: Mapping[str, float]) -> tuple[str, float]:
+    return max(errors.items(), key=lambda item: item[1])
+
+
+def _fastest(names: Sequence[str], rows: Mapping[str, Row]) -> str:
+    return min(names, key=lambda name: float(rows[name].get("wall_s") or 0.0))
+
+
+def _speed(row: Row) -> str:
+    return f"{row.get('speedup') or 0.0:.3g} times as fast"
 
 
 def _percent(value: float, digits: int = 0) -> str:
     return f"{100.0 * max(value, 0.001):.{digits}f}\u202f%"
 
 
-def worst(row: Mapping[str, Any]) -> tuple[str, float] | None:
-    """Name and value of the largest relative error of a study's row; None without any."""
-    known = {name: row["error"].get(name) for name in _WORDS if row.get("error")}
-    values = {name: float(value) for name, value in known.items() if value is not None}
-    return max(values.items(), key=lambda item: item[1]) if values else None
+def _with_bar(value: float, bar: float | None) -> str:
+    return _percent(value) if bar is None else f"{_percent(value)} ± {_percent(bar)}"
+
+
+def _relative(row: Row) -> dict[str, float]:
+    """The relative errors of a study's row that are known, by figure."""
+    errors = row.get("error") or {}
+    return {name: float(errors[name]) for name in _WORDS if errors.get(name) is not None}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coupling.metrics.bernoulli import node_areas
+from coupling.metrics.material import material_interpolation
 from coupling.ports import Array, Ints
 from coupling.results import Results
 
@@ -25,33 +26,45 @@ def compare(
 ) -> Errors:
     """Errors of a run against ``reference``, all of them positive.
 
-    ``shape_rms``: distance between equal nodes, rms over the surface and the common instants, over
-    ``radius``; sliding along the surface counts. ``pressure_rms``: rms difference of the net
-    pressure at equal nodes over its rms. Both are None where the meshes differ or no instant is
-    common. ``cg_amplitude`` and ``force_amplitude`` are relative, ``cg_phase_deg`` is in degrees
-    at the component that moves most; from the summaries, None where those say null.
+    ``shape_rms``: distance between equal material points, the nodes of ``reference``, rms over the
+    surface and the common instants, over ``radius``; sliding along the surface counts.
+    ``pressure_rms``: rms difference of the net pressure there over its rms. Where the meshes
+    differ, values come from ``material_interpolation``, which adds an error of O(h^2). Both are
+    None where no instant is common. ``cg_amplitude`` and ``force_amplitude`` are relative,
+    ``cg_phase_deg`` is in degrees at the component that moves most; from the summaries, None where
+    those say null.
     """
-    rows, reference_rows = common_instants(results.time, reference.time)
-    same_mesh = results.triangles.shape == reference.triangles.shape and bool(
-        np.all(results.triangles == reference.triangles)
-    )
-    comparable = same_mesh and len(rows) > 0
-    weight = node_areas(reference.position[reference_rows], reference.triangles)
-    moved = results.position[rows] - reference.position[reference_rows] if comparable else None
+    shape, pressure = _fields(results, reference)
     return {
-        "shape_rms": None
-        if moved is None
-        else _rms(np.linalg.norm(moved, axis=2), weight) / radius,
+        "shape_rms": None if shape is None else shape / radius,
         "cg_amplitude": _relative(summary, reference_summary, "cg", "amplitude_m"),
         "cg_phase_deg": _phase(summary["cg"], reference_summary["cg"]),
         "force_amplitude": _relative(summary, reference_summary, "force", "amplitude_N"),
-        "pressure_rms": _over(
-            _rms(results.pressure[rows] - reference.pressure[reference_rows], weight),
-            _rms(reference.pressure[reference_rows], weight),
-        )
-        if comparable
-        else None,
+        "pressure_rms": pressure,
     }
+
+
+def _fields(results: Results, reference: Results) -> tuple[float | None, float | None]:
+    """rms distance [m], and rms difference of the pressure over its rms."""
+    rows, reference_rows = common_instants(results.time, reference.time)
+    if len(rows) == 0:
+        return None, None
+    position, pressure = results.position[rows], results.pressure[rows]
+    if not _same_mesh(results, reference):
+        taken = material_interpolation(results.reference, results.triangles, reference.reference)
+        position = np.stack([taken @ instant for instant in position])
+        pressure = (taken @ pressure.T).T
+    there, pressure_there = reference.position[reference_rows], reference.pressure[reference_rows]
+    weight = node_areas(there, reference.triangles)
+    distance = np.linalg.norm(position - there, axis=2)
+    difference = _over(_rms(pressure - pressure_there, weight), _rms(pressure_there, weight))
+    return _rms(distance, weight), difference
+
+
+def _same_mesh(one: Results, other: Results) -> bool:
+    return np.array_equal(one.triangles, other.triangles) and np.array_equal(
+        one.reference, other.reference
+    )
 
 
 def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
@@ -63,32 +76,6 @@ def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
     nearest = np.where(np.abs(time - other[before]) < np.abs(time - other[after]), before, after)
     rows = np.flatnonzero(np.abs(time - other[nearest]) <= 1e-6 * float(other[-1]))
     return rows.astype(np.int64), nearest[rows].astype(np.int64)
-
-
-def below(errors: Errors, own: Mapping[str, Errors]) -> list[str]:
-    """Names of the errors that are smaller than the reference's ``own`` ones."""
-    names = []
-    for name, value in errors.items():
-        known = [one[name] for one in own.values() if one.get(name) is not None]
-        if value is not None and known and value < max(item for item in known if item is not None):
-            names.append(name)
-    return names
-
-
-def cg_motion(mine: Mapping[str, Any], best: Mapping[str, Any]) -> float | None:
-    """|c - c_best|/|c_best| of two complex CG amplitudes (3,), each a summary's ``cg``.
-
-    Amplitude and phase in one number. None where either has none, or the second does not move.
-    """
-    if None in (*mine["amplitude_m"], *best["amplitude_m"]):
-        return None
-    one, other = _complex(mine), _complex(best)
-    return _over(float(np.linalg.norm(one - other)), float(np.linalg.norm(other)))
-
-
-def _complex(cg: Mapping[str, Any]) -> NDArray[np.complex128]:
-    phase = [0.0 if value is None else value for value in cg["phase_deg"]]
-    return np.asarray(cg["amplitude_m"] * np.exp(1j * np.radians(phase)))
 
 
 def _rms(values: Array, weight: Array) -> float:

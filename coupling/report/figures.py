@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from coupling.ports import Array
 from coupling.report.files import RunFiles, pressure_rms
@@ -17,7 +16,6 @@ from coupling.report.style import (
     COMPONENTS,
     GREY,
     INK,
-    LIGHT,
     MODEL_COLOURS,
     MODEL_LINES,
     ORANGE,
@@ -160,7 +158,7 @@ def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, capti
     axes = figure.subplots()
     for run, curve in zip(runs, curves, strict=True):
         x, y = thinned(run.results.time, curve)
-        axes.plot(x, y, **model_line(run.model))
+        axes.plot(x, y, **model_line(run.label))
     _finish(axes, label)
     return Picture(source=svg(figure), caption=caption, alt=caption)
 
@@ -177,35 +175,6 @@ def model_legend(models: Sequence[str]) -> Picture:
     lines = [Line2D([], [], **model_line(model)) for model in models]
     figure.legend(handles=lines, loc="center", ncols=len(lines))
     return Picture(source=svg(figure), caption="", alt="Models: " + ", ".join(models))
-
-
-def speed_figure(points: Sequence[tuple[str, float, float]]) -> Picture:
-    """Worst relative error against wall time, one (model, wall time [s], error) a point."""
-    figure = new_figure(height=2.7)
-    axes = figure.subplots()
-    for model, wall, error in points:
-        colour = MODEL_COLOURS.get(model, INK)
-        axes.loglog(wall, 100.0 * error, "o", color=colour, markersize=8, label=model)
-    legend_above(axes)
-    axes.axhline(5.0, color=LIGHT, linewidth=1.2)
-    axes.margins(0.3)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(_plain))
-        low, high = axis.get_view_interval()
-        if high > 10.0 * low:
-            axis.set_minor_formatter(NullFormatter())
-        else:
-            axis.set_minor_formatter(FuncFormatter(_plain))
-    axes.set(xlabel="wall time (s)", ylabel="worst error (%)")
-    text = (
-        "Speed against error: lower and further left is better. The reference stands at its own "
-        "discretisation error; the grey line is 5\u202f%."
-    )
-    return Picture(source=svg(figure), caption=text, alt=text)
-
-
-def _plain(value: float, _: int) -> str:
-    return f"{value:g}"
 
 
 def _finish(axes: Any, label: str) -> None:

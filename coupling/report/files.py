@@ -19,13 +19,22 @@ from coupling.scene import Scene, load_scene
 
 @dataclass(frozen=True, kw_only=True)
 class RunFiles:
-    """A run's folder, read: scene, results, summary, ``iterations`` (k, 4) of ``coupling.csv``."""
+    """A run's folder, read: scene, results, summary, ``iterations`` (k, 4) of ``coupling.csv``.
+
+    ``row``: what a study calls it.
+    """
 
     folder: Path
     scene: Scene
     results: Results
     summary: dict[str, Any]
     iterations: Array
+    row: str = ""
+
+    @property
+    def label(self) -> str:
+        """The ``row`` of a study's table that it is, else its model."""
+        return self.row or self.model
 
     @property
     def model(self) -> str:

@@ -73,7 +73,7 @@ def overlaid_sections(runs: Sequence[RunFiles]) -> list[Picture]:
         for run in runs:
             near = int(np.argmin(np.abs(run.results.time - instant)))
             for curve in cut(run.results.position[near], run.results.triangles, along):
-                axes.plot(*curve.T, linewidth=1.5, **model_line(run.model))
+                axes.plot(*curve.T, linewidth=1.5, **model_line(run.label))
         text = f"t = {instant:.3f} s"
         pictures.append(Picture(source=svg(figure), caption=text, alt=f"Sections at {text}"))
     return pictures

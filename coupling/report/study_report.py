@@ -9,46 +9,47 @@ from typing import Any
 
 import numpy as np
 
-from coupling.metrics.advice import worst
-from coupling.report.figures import model_legend, overlay, speed_figure
+from coupling.report.error_figures import errors_figure, front_figure
+from coupling.report.error_tables import errors_table, front_table
+from coupling.report.figures import model_legend, overlay
 from coupling.report.files import RunFiles, pressure_rms, read_run
 from coupling.report.instants import overlaid_sections
-from coupling.report.page import Page, Picture, Section, Table, number, percent
+from coupling.report.page import Page, Section, percent
 from coupling.report.run_report import pressure_section, provenance, quality_section
 from coupling.report.scene_table import scene_tables
 
-_COLUMNS = {
-    "shape_rms": "shape (rms/R)",
-    "cg_amplitude": "CG amplitude",
-    "cg_phase_deg": "CG phase",
-    "force_amplitude": "force amplitude",
-    "pressure_rms": "pressure (rms)",
-}
+_CURVELESS = ("compliant", "inextensible")  # lies on the curve of the model it changes
 
 
 def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     """Page of a study from ``study.json`` and the folders of its runs."""
     rows = study["models"]
     runs = [
-        read_run(folder / name)
+        replace(read_run(folder / name), row=name)
         for name, row in rows.items()
         if row["status"] == "completed" and (folder / name / "results.h5").is_file()
     ]
-    runs.sort(key=lambda run: run.model != study["reference"])  # the others lie on top of it
+    runs.sort(key=lambda run: run.label != study["reference"])  # the others lie on top of it
     failed = [f"{name}: {row['failure']}" for name, row in rows.items() if row.get("failure")]
-    sections = [_errors(study)]
+    sections = [_errors(study), *_speed(study)]
     if runs:
-        sections += [*_curves(runs, study), _shapes(runs), *_reference(runs), _scene(runs[0])]
+        drawn = [run for run in runs if run.label not in _CURVELESS]
+        sections += [*_curves(drawn), _shapes(drawn), *_reference(drawn), _scene(runs[0])]
     title = runs[0].scene.title if runs else ""
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",
         subtitle=f"{', '.join(rows)} · errors against {study['reference'] or 'nothing'}",
-        verdict=study["advice"],
-        explanation=_measured(study),
+        verdict=study.get("verdict") or study["advice"],
+        explanation=_explained(study),
         alarm="; ".join(failed),
         sections=sections,
         footer=provenance(runs[0]) if runs else "",
     )
+
+
+def _explained(study: Mapping[str, Any]) -> str:
+    advised = study["advice"] if study.get("verdict") else ""
+    return f"{advised} {_measured(study)}".strip()
 
 
 def _measured(study: Mapping[str, Any]) -> str:
@@ -64,48 +65,30 @@ def _measured(study: Mapping[str, Any]) -> str:
 
 
 def _errors(study: Mapping[str, Any]) -> Section:
-    reference, rows = study["reference"], []
-    for name, row in study["models"].items():
-        errors, below = row.get("error") or {}, row.get("below_reference_error") or []
-        cells = [_cell(key, errors.get(key), key in below) for key in _COLUMNS]
-        if name == reference:
-            cells = ["reference"] + [""] * (len(_COLUMNS) - 1)
-        elif row.get("failure"):
-            cells = ["failed"] + [""] * (len(_COLUMNS) - 1)
-        rows.append([name, number(row.get("wall_s"), "s"), _times(row.get("speedup")), *cells])
-    for key, errors in study["discretisation"].items():
-        cells = [_cell(name, errors.get(name), False) for name in _COLUMNS]
-        rows.append([f"{reference}, {_own(key, reference)}", "", "", *cells])
-    return Section(
-        title="Errors and speed",
-        tables=[
-            Table(
-                head=["Model", "wall time", "speed-up", *_COLUMNS.values()],
-                rows=rows,
-                note="Errors are relative to the reference’s own figure, but for the phase. "
-                "The rows under the models are the reference itself, less resolved: its own "
-                "discretisation error. ≈ marks an error below it, where no difference between "
-                "the models can be told.",
-            )
-        ],
-    )
+    reference, bars = study["reference"], study.get("uncertainty") or {}
+    errors = {
+        name: row["error"]
+        for name, row in study["models"].items()
+        if name != reference and row.get("error")
+    }
+    pictures = [errors_figure(errors, bars)] if errors else []
+    return Section(title="Errors", tables=[errors_table(study)], pictures=pictures)
 
 
-def _own(key: str, reference: str) -> str:
-    grid = "half the cells" if reference == "openfoam" else "half the triangles"
-    return {"coarser_grid": grid, "doubled_step": "doubled step"}.get(key, key)
+def _speed(study: Mapping[str, Any]) -> list[Section]:
+    """Empty for a study without points, of an earlier version."""
+    points, bars = study.get("points") or [], study.get("uncertainty") or {}
+    shown = [
+        front_figure(points, study["reference"], name, bars.get(name))
+        for name in ("cg_amplitude", "shape_rms")
+        if any(point["error"].get(name) for point in points)
+    ]
+    if not points:
+        return []
+    return [Section(title="Speed against error", tables=[front_table(study)], pictures=shown)]
 
 
-def _cell(name: str, value: float | None, below: bool) -> str:
-    text = number(value, "°", 2) if name.endswith("_deg") else percent(value)
-    return f"≈ {text}" if below else text
-
-
-def _times(value: float | None) -> str:
-    return "–" if value is None else f"{number(value)} ×"
-
-
-def _curves(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]:
+def _curves(runs: Sequence[RunFiles]) -> list[Section]:
     moving = [run for run in runs if len(run.results.time) > 1]
     if not moving:
         return []
@@ -125,25 +108,13 @@ def _curves(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]
     if flowing:
         caption = "Pressure beyond hydrostatics, over the diaphragm."
         pictures.append(overlay(flowing, pressure, "p*, rms (kPa)", caption))
-    return [Section(title="Over time", pictures=[*pictures, *_speed(study)])]
-
-
-def _speed(study: Mapping[str, Any]) -> list[Picture]:
-    points = []
-    for name, row in study["models"].items():
-        own = [worst({"error": errors}) for errors in study["discretisation"].values()]
-        error = worst(row)
-        if name == study["reference"]:
-            error = max((one for one in own if one), key=lambda one: one[1], default=None)
-        if error is not None and error[1] > 0.0 and row.get("wall_s"):
-            points.append((name, float(row["wall_s"]), error[1]))
-    return [speed_figure(points)] if points else []
+    return [Section(title="Over time", pictures=pictures)]
 
 
 def _reference(runs: Sequence[RunFiles]) -> list[Section]:
     """What the run with a flow says of itself: pressures, iterations, mesh, wall time by part."""
     return [
-        replace(section, title=f"{section.title} ({run.model})")
+        replace(section, title=f"{section.title} ({run.label})")
         for run in runs
         if run.has_flow and len(run.results.time) > 1
         for section in (pressure_section(run), quality_section(run))
@@ -157,7 +128,7 @@ def _shapes(runs: Sequence[RunFiles]) -> Section:
         text="Cut in the plane of shaking, all models at the same instants.",
         pictures=overlaid_sections(seen) if seen else [],
         columns=4,
-        scale=model_legend([run.model for run in seen]) if seen else None,
+        scale=model_legend([run.label for run in seen]) if seen else None,
     )
 
 

@@ -20,9 +20,15 @@ MODEL_COLOURS = {
     "hydrostatic": "#D55E00",
     "potential": "#009E73",
     "openfoam": "#0072B2",
+    "thesis": "#E69F00",
+    "compliant": "#56B4E9",
+    "inextensible": "#56B4E9",
 }
 # solid for the best, so that a dashed curve on top of it shows both
-MODEL_LINES = {"datum": ":", "hydrostatic": "--", "potential": "-.", "openfoam": "-"}
+MODEL_LINES: dict[str, Any] = {
+    "datum": ":", "hydrostatic": "--", "potential": "-.", "openfoam": "-",
+    "thesis": (0, (1, 3)), "compliant": (0, (5, 1)), "inextensible": (0, (5, 1)),
+}  # fmt: skip
 INK, GREY, LIGHT = "#1c2329", "#6b757d", "#d5dade"
 BLUE, ORANGE = "#0072B2", "#D55E00"
 # x, y and z of one vector differ by line and tone, which also survives a black and white printer

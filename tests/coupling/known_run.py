@@ -78,9 +78,10 @@ def write_run(
     scene: str = "",
     model: str = "openfoam",
     tilt: float = 1.0,
+    rings: int = 8,
 ) -> None:
     """The known run as a results folder; ``tilt`` scales how far the diaphragm moves."""
-    reference, triangles = disc()
+    reference, triangles = disc(rings)
     writer = ResultsWriter(
         folder, scene_toml=scene, model=model, reference=reference, triangles=triangles
     )

@@ -12,8 +12,11 @@ from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
 from coupling.report.page import percent
 from coupling.results import read_results
-from coupling.scene import Scene, load_scene, scene_toml
-from coupling.study import coarser_scenes, run_study
+from coupling.scene import Scene, load_scene, scene_toml, with_overrides
+from coupling.scene_errors import SceneError
+from coupling.study import run_study
+from coupling.study_plan import coarser_scenes, thesis_row
+from coupling.study_record import StudyRecord
 
 
 def with_model(scene: Scene, name: str) -> Scene:
@@ -35,8 +38,8 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
     for model, tilt, wall in (("datum", 3.0, 2.0), ("hydrostatic", 1.01, 4.0), ("openfoam", 1, 80)):
         finished(tmp_path / model, with_model(scene, model), tilt=tilt, wall=wall)
     for name, less in coarser_scenes(with_model(scene, "openfoam")).items():
-        finished(tmp_path / "discretisation" / name, less, tilt=1.02, wall=40.0)
-    study = run_study(scene, ("openfoam", "datum", "hydrostatic"), tmp_path)
+        finished(tmp_path / "discretisation" / "openfoam" / name, less, tilt=1.02, wall=40.0)
+    study = run_study(scene, ("openfoam", "datum", "hydrostatic"), tmp_path, quick=True)
     assert json.loads((tmp_path / "study.json").read_text()) == study
     assert study["reference"] == "openfoam"
     rows = study["models"]
@@ -45,11 +48,19 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
     # the distance is linear in the tilt: 2.0 away for datum, 0.02 and 0.01 for the others
     assert rows["datum"]["error"]["shape_rms"] == pytest.approx(100.0 * own)
     assert rows["hydrostatic"]["error"]["shape_rms"] == pytest.approx(0.5 * own)
+    # half the cells at order 1.5 and the doubled step at order 2, both 0.02 away
+    bar = own / (2 ** (1.5 / 3) - 1) + own / 3
+    assert study["uncertainty"]["shape_rms"] == pytest.approx(bar)
     assert rows["hydrostatic"]["below_reference_error"] == ["shape_rms"]
     assert rows["datum"]["below_reference_error"] == []
     assert study["advice"].startswith("Use hydrostatic")
+    fronts = {(point["model"], point["resolution"]): point["on_front"] for point in study["points"]}
+    assert "shape_rms" in fronts["datum", "as_run"]  # the fastest
+    assert "shape_rms" in fronts["hydrostatic", "as_run"]
+    assert "shape_rms" not in fronts["openfoam", "coarser_grid"]  # slower than hydrostatic, worse
+    assert "shape_rms" in fronts["openfoam", "as_run"]
     text = (tmp_path / "report.html").read_text()
-    assert f"≈ {percent(0.5 * own)}" in text
+    assert f"≈ {percent(0.5 * own)} ± {percent(bar)}" in text
     assert "half the cells" in text
 
 
@@ -104,7 +115,22 @@ def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_pat
         progress=lambda stage, done, total, text: said.append(stage),
     )
     assert study["reference"] == "hydrostatic"
-    assert [row["status"] for row in study["models"].values()] == ["completed"] * 2
+    assert list(study["models"]) == ["datum", "hydrostatic", "thesis", "compliant"]
+    assert [row["status"] for row in study["models"].values()] == ["completed"] * 4
+    assert study["models"]["compliant"]["model"] == "hydrostatic"
+    assert 0.0 < study["models"]["compliant"]["against_same_model"]["shape_rms"] < 0.1
+    assert study["models"]["thesis"]["error"]["shape_rms"] > 0.0  # on another mesh
+    assert [(point["model"], point["resolution"]) for point in study["points"]] == [
+        ("datum", "as_run"),
+        ("hydrostatic", "as_run"),
+        ("thesis", "as_run"),
+        ("datum", "coarser_grid"),
+        ("datum", "doubled_step"),
+        ("thesis", "coarser_grid"),
+        ("hydrostatic", "coarser_grid"),
+        ("hydrostatic", "doubled_step"),
+    ]
+    assert all(point["error"]["pressure_rms"] is not None for point in study["points"])
     assert set(study["discretisation"]) == {"coarser_grid", "doubled_step"}
     assert study["models"]["datum"]["error"]["shape_rms"] > 0.0
     assert any(stage.startswith("datum: ") for stage in said)
@@ -118,9 +144,22 @@ def test_a_failed_model_is_a_row(small: Scene, tmp_path: Path) -> None:
     broken = small.model_copy(
         update={"openfoam": small.openfoam.model_copy(update={"command": "/no/such/solver"})}
     )
-    study = run_study(broken, ("datum", "hydrostatic", "openfoam"), tmp_path / "study")
+    models = ("datum", "hydrostatic", "openfoam")
+    study = run_study(broken, models, tmp_path / "study", quick=True)
     assert study["reference"] == "hydrostatic"
     assert study["models"]["openfoam"]["status"] == "failed"
     assert study["models"]["openfoam"]["failure"]
     assert study["models"]["openfoam"]["error"] == {}
     assert "failed" in (tmp_path / "study" / "report.html").read_text()
+
+
+def test_a_scene_that_the_thesis_cannot_have_is_a_row_too(small: Scene, tmp_path: Path) -> None:
+    angles = [(polar, azimuth) for polar in (0, 45, 90) for azimuth in (0, 120, 240)]
+    lines = [f"{polar},{azimuth},0.0018" for polar, azimuth in angles]
+    (tmp_path / "ridges.csv").write_text("\n".join(["polar,azimuth,thickness", *lines]))
+    mapped = with_overrides(small, [f"diaphragm.thickness_map={tmp_path / 'ridges.csv'}"])
+    record = StudyRecord(tmp_path, ("datum", "hydrostatic"))
+    with pytest.raises(SceneError, match="thickness_map"):
+        thesis_row(mapped)
+    record.add_impossible("thesis", "no map")
+    assert record.to_dict()["models"]["thesis"]["failure"] == "no map"

@@ -1,0 +1,45 @@
+"""How well the reference of a study knows its own figures: error bars from less resolved runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from coupling.metrics.comparison import NAMES, Errors
+
+STEP_ORDER = 2.0  # of the time schemes of cloth and flow, see ``edt verify chain`` and ``slosh``
+SHEET_ORDER = 2.0  # in the spacing of the rings: CG of the pad sway at 12, 18 and 24 rings
+FLOW_ORDER = 1.5  # in the cells' width: ``edt verify momentum`` at 540 and 1216 cells has 1.6
+
+
+def error_bars(own: Mapping[str, Errors], coarsening: Mapping[str, tuple[float, float]]) -> Errors:
+    """Estimated error of the reference in every figure, in the figure's own unit.
+
+    ``own``: how far each less resolved run of the reference lies from it; ``coarsening``: by which
+    factor its step or spacing was coarser, and by which power of that the error falls. A run
+    coarser by r then has r^p times the error of the reference, so that the two differ by r^p - 1
+    times: Richardson's estimate of the error, difference/(r^p - 1) (Roache, Annu. Rev. Fluid
+    Mech. 29, 1997, "Quantification of uncertainty in CFD"). Those of grid and step are added: for
+    distances between fields that is the triangle inequality, for amplitudes its counterpart.
+
+    An estimate, not a bound. With two grids the order cannot be observed, only taken from
+    elsewhere; Roache's grid convergence index then asks 3 times as much, for a band to be trusted.
+    Where a run is missing, so is its share; None without any.
+    """
+    bars: Errors = {}
+    for name in NAMES:
+        parts = [
+            difference / (factor**order - 1.0)
+            for kind, (factor, order) in coarsening.items()
+            if (difference := own.get(kind, {}).get(name)) is not None and factor > 1.0
+        ]
+        bars[name] = sum(parts) if parts else None
+    return bars
+
+
+def below(errors: Errors, bars: Errors) -> list[str]:
+    """Names of the errors that are smaller than the reference's own."""
+    return [
+        name
+        for name, value in errors.items()
+        if value is not None and (bar := bars.get(name)) is not None and value < bar
+    ]

@@ -1,0 +1,136 @@
+"""Figures of a study: errors with their bars, and speed against error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from coupling.metrics.comparison import Errors
+from coupling.report.page import Picture
+from coupling.report.style import GREY, INK, LIGHT, MODEL_COLOURS, new_figure, svg
+
+Point = Mapping[str, Any]
+
+COLUMNS = {
+    "shape_rms": "shape (rms/R)",
+    "cg_amplitude": "CG amplitude",
+    "cg_phase_deg": "CG phase",
+    "force_amplitude": "force amplitude",
+    "pressure_rms": "pressure (rms)",
+}
+RESOLUTIONS = {"as_run": "as run", "coarser_grid": "coarser grid", "doubled_step": "doubled step"}
+_MARKERS = {"as_run": "o", "coarser_grid": "s", "doubled_step": "^"}
+
+
+def errors_figure(errors: Mapping[str, Errors], bars: Errors) -> Picture:
+    """Errors of each row by figure, in its colour, with the reference's own error as bars."""
+    figure = new_figure(height=2.9)
+    axes, degrees = figure.subplots(1, 2, width_ratios=(4, 1))
+    _bars(axes, [name for name in COLUMNS if not name.endswith("_deg")], errors, bars, 100.0)
+    _bars(degrees, ["cg_phase_deg"], errors, bars, 1.0)
+    axes.set_ylabel("error (%)")
+    degrees.set_ylabel("error (°)")
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper left", ncols=4, columnspacing=1.2)
+    text = "Errors against the reference; the bars are the reference’s own error, estimated."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _bars(
+    axes: Any, names: Sequence[str], errors: Mapping[str, Errors], bars: Errors, scale: float
+) -> None:
+    width = 0.8 / max(len(errors), 1)
+    for index, (row, values) in enumerate(errors.items()):
+        known = [(k, name) for k, name in enumerate(names) if values.get(name) is not None]
+        places = np.array([k for k, _ in known]) + (index + 0.5) * width - 0.4
+        heights = scale * np.array([float(values[name] or 0.0) for _, name in known])
+        spread = scale * np.array([float(bars.get(name) or 0.0) for _, name in known])
+        axes.bar(places, heights, 0.92 * width, color=MODEL_COLOURS.get(row, GREY), label=row)
+        below = np.minimum(spread, heights)
+        axes.errorbar(
+            places, heights, [below, spread], fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.6
+        )
+    labels = [COLUMNS[name].partition(" (")[0].replace(" ", "\n") for name in names]
+    axes.set_xticks(range(len(names)), labels)
+    axes.set_ylim(bottom=0.0)
+    axes.grid(visible=False, axis="x")
+
+
+def front_figure(points: Sequence[Point], reference: str, name: str, bar: float | None) -> Picture:
+    """Error ``name`` against wall time of every point of a study, and the front of the best.
+
+    The ``reference`` as run has no error against itself: it stands, hollow, at its own (``bar``).
+    """
+    figure = new_figure(height=3.0)
+    axes = figure.subplots()
+    seen = [point for point in points if point["wall_s"] and point["error"].get(name)]
+    best = [p for p in points if (p["model"], p["resolution"]) == (reference, "as_run")]
+    if bar:
+        axes.axhspan(1e-9, 100.0 * bar, color=LIGHT, alpha=0.6, linewidth=0)
+    front = sorted(
+        (point["wall_s"], 100.0 * point["error"][name])
+        for point in seen
+        if name in point["on_front"]
+    )
+    if front:
+        axes.plot(*zip(*front, strict=True), color=INK, linewidth=1.0, zorder=1)
+    for point in seen:
+        _plot_point(axes, point, 100.0 * point["error"][name], hollow=False)
+    for point in best if bar else []:
+        _plot_point(axes, point, 100.0 * (bar or 0.0), hollow=True)
+    _logarithmic(axes, [100.0 * p["error"][name] for p in seen] + [100.0 * (bar or 1.0)])
+    axes.set(xlabel="wall time (s)", ylabel=f"error, {COLUMNS[name]} (%)")
+    markers = [
+        Line2D([], [], marker=marker, linestyle="", color=GREY, label=RESOLUTIONS[key])
+        for key, marker in _MARKERS.items()
+    ]
+    axes.legend(handles=markers, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    text = (
+        f"Speed against error in {COLUMNS[name]}: lower and further left is better; the line joins "
+        "those that no other beats. Grey: within the reference’s own error, where no difference "
+        f"can be told; {reference} as run stands at its edge."
+    )
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _plot_point(axes: Any, point: Point, height: float, *, hollow: bool) -> None:
+    colour = MODEL_COLOURS.get(point["model"], INK)
+    axes.loglog(
+        point["wall_s"],
+        height,
+        _MARKERS.get(point["resolution"], "o"),
+        color=colour,
+        markerfacecolor="white" if hollow else colour,
+        markersize=7 if point["resolution"] == "as_run" else 5,
+    )
+    if point["resolution"] == "as_run":
+        axes.annotate(
+            point["model"],
+            (point["wall_s"], height),
+            xytext=(5, 4),
+            textcoords="offset points",
+            color=colour,
+            fontsize=8,
+        )
+
+
+def _logarithmic(axes: Any, heights: Sequence[float]) -> None:
+    axes.set(xscale="log", yscale="log")
+    axes.set_ylim(0.5 * min(heights), 2.0 * max(heights))
+    low, high = axes.get_xlim()
+    axes.set_xlim(low / 1.3, high * 2.0)  # room for the last name
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(_plain))
+        low, high = axis.get_view_interval()
+        if high > 10.0 * low:
+            axis.set_minor_formatter(NullFormatter())
+        else:
+            axis.set_minor_formatter(FuncFormatter(_plain))
+
+
+def _plain(value: float, _: int) -> str:
+    return f"{value:g}"

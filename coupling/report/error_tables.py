@@ -1,0 +1,107 @@
+"""Tables of a study: errors with their bars, and speed against error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from coupling.metrics.comparison import Errors
+from coupling.report.error_figures import COLUMNS, RESOLUTIONS
+from coupling.report.page import Table, number, percent
+
+_TIMES = (
+    "Wall times are of one run each, settling included; all kernels were compiled before the first."
+)
+
+
+def errors_table(study: Mapping[str, Any]) -> Table:
+    """One row a model: wall time and every error with its bar; then the reference's own."""
+    reference, rows = study["reference"], []
+    bars: Errors = study.get("uncertainty") or {}
+    for name, row in study["models"].items():
+        errors, below = row.get("error") or {}, row.get("below_reference_error") or []
+        cells = [_cell(key, errors.get(key), bars.get(key), key in below) for key in COLUMNS]
+        if name == reference:
+            cells = ["reference"] + [""] * (len(COLUMNS) - 1)
+        elif row.get("failure"):
+            cells = ["failed"] + [""] * (len(COLUMNS) - 1)
+        rows.append([name, number(row.get("wall_s"), "s"), times(row.get("speedup")), *cells])
+    for name, row in study["models"].items():
+        if row.get("against_same_model"):
+            errors = row["against_same_model"]
+            cells = [_cell(key, errors.get(key), None, False) for key in COLUMNS]
+            rows.append([f"{name} against {row['model']}", "", "", *cells])
+    for key, errors in study["discretisation"].items():
+        cells = [_cell(name, errors.get(name), None, False) for name in COLUMNS]
+        rows.append([f"{reference}, {_own(key, reference)}", "", "", *cells])
+    return Table(
+        head=["Model", "wall time", "speed-up", *COLUMNS.values()],
+        rows=rows,
+        note=_note(study),
+    )
+
+
+def _note(study: Mapping[str, Any]) -> str:
+    note = (
+        f"Errors are relative to the reference’s own figure, but for the phase. {_TIMES} "
+        "The last rows are the reference itself, less resolved. "
+    )
+    if study.get("uncertainty"):
+        note += (
+            "± is the reference’s own error as these rows let it be estimated (Richardson: the "
+            "step’s error taken as of second order, the flow mesh’s of order 1.5, the diaphragm’s "
+            "of second); where openfoam is the reference, both rows have the same diaphragm, and ± "
+            "knows nothing of its mesh. "
+        )
+    note += "≈ marks an error below that, where no difference between the models can be told."
+    if any(row.get("against_same_model") for row in study["models"].values()):
+        note += (
+            " The diaphragm that stretches by its own compliance, or does not, is held against "
+            "the same fluid model too: that difference is the stretching alone."
+        )
+    return note
+
+
+def front_table(study: Mapping[str, Any]) -> Table:
+    """Every point of speed against error, the fastest first; ● marks the front of a figure."""
+    names = [name for name in COLUMNS if not name.endswith("_deg")]
+    bars: Errors = study.get("uncertainty") or {}
+    rows = []
+    for point in sorted(study["points"], key=lambda item: item["wall_s"] or float("inf")):
+        name = f"{point['model']}, {RESOLUTIONS.get(point['resolution'], point['resolution'])}"
+        if point.get("failure"):
+            rows.append([name, number(point["wall_s"], "s"), "failed", *[""] * (len(names) - 1)])
+            continue
+        cells = [
+            percent(point["error"].get(key)) + (" ●" if key in point["on_front"] else "")
+            for key in names
+        ]
+        rows.append([name, number(point["wall_s"], "s"), *cells])
+    rows.append(["reference’s own error", "", *(percent(bars.get(key)) for key in names)])
+    return Table(
+        head=["Run", "wall time", *(COLUMNS[name] for name in names)],
+        rows=rows,
+        note="● is on the front: no other run is both faster and closer to the reference. "
+        "Where meshes differ, the nodes of the one are interpolated at the moulded places of the "
+        f"other’s, which adds some h²/(8 R) to the shape, h the edges’ length. {_TIMES}",
+    )
+
+
+def _own(key: str, reference: str) -> str:
+    grid = "half the cells" if reference == "openfoam" else "half the triangles"
+    return {"coarser_grid": grid, "doubled_step": "doubled step"}.get(key, key)
+
+
+def _cell(name: str, value: float | None, bar: float | None, below: bool) -> str:
+    def said(one: float | None) -> str:
+        return number(one, "°", 2) if name.endswith("_deg") else percent(one)
+
+    text = said(value)
+    if value is not None and bar is not None:
+        text += f" ± {said(bar)}"
+    return f"≈ {text}" if below else text
+
+
+def times(value: float | None) -> str:
+    """A speed-up."""
+    return "–" if value is None else f"{number(value)} ×"

@@ -1,0 +1,121 @@
+"""What a study runs: the rows of its table, and each of them less resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cloth.thesis.grid import SIZE
+from coupling.metrics.uncertainty import FLOW_ORDER, SHEET_ORDER, STEP_ORDER
+from coupling.scene import Scene, with_overrides
+
+LADDER = ("datum", "hydrostatic", "potential", "openfoam")
+THESIS = "thesis"
+STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own diaphragm is not
+ROWS = (*LADDER, THESIS, *STRETCH.values())
+AS_RUN, COARSER, DOUBLED = "as_run", "coarser_grid", "doubled_step"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One run of a study: a row of its table at one resolution."""
+
+    row: str
+    resolution: str
+    scene: Scene
+
+    @property
+    def place(self) -> Path:
+        """Its folder within the study's."""
+        if self.resolution == AS_RUN:
+            return Path(self.row)
+        return Path("discretisation") / self.row / self.resolution
+
+
+def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
+    """The scene with each of ``models``, the cheapest first."""
+    return [
+        Entry(row=model, resolution=AS_RUN, scene=_with(scene, "model", fluid=model))
+        for model in sorted(models, key=LADDER.index)
+    ]
+
+
+def thesis_row(scene: Scene) -> Entry:
+    """The scene on the thesis' own grid, with its own algorithm and steps of its own length.
+
+    ``SceneError`` where that cannot be, as with a thickness map.
+    """
+    changes = (
+        'cloth.grid="thesis"', f"cloth.resolution={SIZE}", 'cloth.wrinkling="relaxed"',
+        'model.fluid="datum"', "diaphragm.inextensible=true",
+    )  # fmt: skip
+    return Entry(row=THESIS, resolution=AS_RUN, scene=with_overrides(scene, changes))
+
+
+def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
+    """The scene with a diaphragm that stretches, or does not where the scene's own does.
+
+    On the highest of ``models`` but openfoam, for the cost: what stretching does is read against
+    the same model, not against the reference.
+    """
+    cheap = [model for model in models if model != "openfoam"] or list(models)
+    stiff = scene.diaphragm.inextensible
+    changed = _with(scene, "model", fluid=max(cheap, key=LADDER.index))
+    return Entry(
+        row=STRETCH[stiff],
+        resolution=AS_RUN,
+        scene=_with(changed, "diaphragm", inextensible=not stiff),
+    )
+
+
+def less_resolved(entries: Iterable[Entry]) -> list[Entry]:
+    """Each of ``entries`` as ``coarser_scenes`` has it."""
+    return [
+        Entry(row=entry.row, resolution=resolution, scene=variant)
+        for entry in entries
+        for resolution, variant in coarser_scenes(entry.scene).items()
+    ]
+
+
+def coarser_scenes(scene: Scene) -> dict[str, Scene]:
+    """The scene with half the cells, and with the doubled step; the output's instants stay.
+
+    Half the cells are half the flow's cells where there is a flow, else half the diaphragm's
+    triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it has no other.
+    """
+    if scene.model.fluid == "openfoam":
+        grid = _with(scene, "openfoam", cells=max(64, scene.openfoam.cells // 2))
+    else:
+        grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
+    if scene.cloth.grid == "thesis":
+        return {COARSER: grid}
+    every = scene.time.output_every
+    step = _with(
+        scene,
+        "time",
+        step=2.0 * scene.time.step,
+        output_every=every // 2 if every % 2 == 0 else every,
+        checkpoint_every=max(1, scene.time.checkpoint_every // 2),
+    )
+    return {COARSER: grid, DOUBLED: step}
+
+
+def _coarser_cloth(scene: Scene) -> int:
+    even = 2 if scene.cloth.grid == "thesis" else 1
+    return max(4, even * round(scene.cloth.resolution / (even * 2**0.5)))
+
+
+def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
+    """By which factor the less resolved runs are coarser, and the order taken for the error."""
+    grid = coarser_scenes(scene)[COARSER]
+    if scene.model.fluid == "openfoam":
+        coarser = (scene.openfoam.cells / grid.openfoam.cells) ** (1.0 / 3.0), FLOW_ORDER
+    else:
+        coarser = scene.cloth.resolution / grid.cloth.resolution, SHEET_ORDER
+    return {COARSER: coarser, DOUBLED: (2.0, STEP_ORDER)}
+
+
+def _with(scene: Scene, section: str, **values: Any) -> Scene:
+    return scene.model_copy(update={section: getattr(scene, section).model_copy(update=values)})
