@@ -39,6 +39,7 @@ CASES: dict[str, str] = {
     "piston": "coupling.verify.piston:piston",
     "rigid": "coupling.verify.rigid:rigid",
     "momentum": "coupling.verify.momentum:momentum",
+    "hydrostatic-limit": "coupling.verify.hydrostatic_limit:hydrostatic_limit",
     "eq46": "coupling.verify.numbers:eq46",
     "numbers": "coupling.verify.numbers:numbers",
 }

@@ -209,11 +209,22 @@ def test_study_runs_the_models_and_prints_speed_against_error(case: Path, monkey
             "datum": {"wall_s": 1.0, "error": {"cg_amplitude": 0.12}, "speedup": 2.0},
             "hydrostatic": {"wall_s": 2.0, "error": {"cg_amplitude": 0.0}, "speedup": 1.0},
         },
+        "uncertainty": {"cg_amplitude": 0.034},
+        "points": [
+            {
+                "model": "datum",
+                "resolution": "coarser_grid",
+                "wall_s": 0.5,
+                "error": {"cg_amplitude": 0.23},
+                "on_front": ["cg_amplitude"],
+            }
+        ],
+        "verdict": "hydrostatics is the best there is",
         "advice": "hydrostatic will do",
     }
 
-    def run_study(scene, models, folder, *, progress=None):
-        calls.append((tuple(models), folder))
+    def run_study(scene, models, folder, *, quick, progress=None):
+        calls.append((tuple(models), folder, quick))
         (folder / "study.json").touch()
         (folder / "datum").mkdir(exist_ok=True)
         return outcome
@@ -221,11 +232,16 @@ def test_study_runs_the_models_and_prints_speed_against_error(case: Path, monkey
     monkeypatch.setitem(sys.modules, "coupling.study", SimpleNamespace(run_study=run_study))
     result = edt("study", case, "--models", "datum,hydrostatic")
     assert result.exit_code == 0
-    assert calls == [(("datum", "hydrostatic"), Path("runs/half_full-study"))]
-    assert "0.12" in result.stdout
+    assert calls == [(("datum", "hydrostatic"), Path("runs/half_full-study"), False)]
+    assert "0.12 ± 0.034" in result.stdout
+    assert "datum, coarser grid" in result.stdout
+    assert "0.23 *" in result.stdout
+    assert "hydrostatics is the best there is" in result.stdout
     assert "hydrostatic will do" in result.stdout
-    again = edt("study", case, "--models", "datum,hydrostatic", "--json")  # a study goes on
+    # a study goes on
+    again = edt("study", case, "--models", "datum,hydrostatic", "--quick", "--json")
     assert json.loads(again.stdout) == outcome
+    assert calls[-1][-1] is True
     Path("runs/half_full-study/other").touch()
     assert edt("study", case, "--models", "datum,hydrostatic").exit_code == 2
 

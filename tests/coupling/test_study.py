@@ -10,6 +10,7 @@ import pytest
 
 from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
+from coupling.report import write_report
 from coupling.report.page import percent
 from coupling.results import read_results
 from coupling.scene import Scene, load_scene, scene_toml, with_overrides
@@ -62,6 +63,16 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
     text = (tmp_path / "report.html").read_text()
     assert f"≈ {percent(0.5 * own)} ± {percent(bar)}" in text
     assert "half the cells" in text
+    assert "Speed against error" in text
+
+    earlier = {key: study[key] for key in ("reference", "models", "discretisation", "advice")}
+    earlier["models"] = {
+        name: {key: row[key] for key in row if key != "model"} for name, row in rows.items()
+    }
+    write_json(tmp_path / "study.json", earlier)
+    text = write_report(tmp_path).read_text()
+    assert study["advice"] in text
+    assert "Speed against error" not in text
 
 
 def test_the_less_resolved_scenes_keep_the_instants_of_output() -> None:
