@@ -32,8 +32,7 @@ from coupling.run_folder import (
     default_folder,
     prepare_folder,
 )
-from coupling.scene import Scene, load_scene
-from coupling.scene_sections import Model
+from coupling.scene import load_scene
 from coupling.study_plan import ROWS
 from coupling.tables import (
     model_estimates,
@@ -146,7 +145,7 @@ def study(
     prepare_folder(folder, force=force, study=STUDY_FILES)
     from coupling.study import run_study
 
-    with _resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
+    with resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
         outcome = run_study(scene, chosen, folder, quick=quick, progress=progress)
     if as_json:
         print_json(outcome)

@@ -92,7 +92,7 @@ def run_or_reuse(scene: Scene, folder: Path, progress: Progress | None) -> dict[
             return read_summary(folder)
         if same_scene_there(scene, folder):
             known = read_summary(folder)
-            if not known.get("error") and (folder / "checkpoint.h5").is_file():
+            if known.get("status") != "failed" and (folder / "checkpoint.h5").is_file():
                 return resume(folder, progress=progress)
         if (folder / "scene.toml").is_file():
             shutil.rmtree(folder)

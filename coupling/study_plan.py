@@ -10,8 +10,8 @@ from typing import Any
 from cloth.thesis.grid import SIZE
 from coupling.metrics.uncertainty import FLOW_ORDER, SHEET_ORDER, STEP_ORDER
 from coupling.scene import Scene, with_overrides
+from coupling.scene_sections import LADDER
 
-LADDER = ("datum", "hydrostatic", "potential", "openfoam")
 THESIS = "thesis"
 STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own diaphragm is not
 ROWS = (*LADDER, THESIS, *STRETCH.values())

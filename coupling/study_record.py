@@ -12,7 +12,8 @@ from coupling.metrics.comparison import Errors, compare
 from coupling.metrics.pareto import pareto_front
 from coupling.metrics.uncertainty import below, error_bars
 from coupling.results import read_results
-from coupling.study_plan import AS_RUN, LADDER, STRETCH, THESIS, Entry, coarsening
+from coupling.scene_sections import LADDER
+from coupling.study_plan import AS_RUN, STRETCH, THESIS, Entry, coarsening
 
 Summary = Mapping[str, Any]
 FIGURES_WITH_FRONT = ("shape_rms", "cg_amplitude", "force_amplitude", "pressure_rms")

@@ -11,7 +11,8 @@ from typing import Any
 from coupling.atomic import write_json, write_text
 from coupling.cost import run_cost
 from coupling.report import write_report
-from coupling.study import Progress, finished_summary
+from coupling.study import Progress, is_complete
+from coupling.study_record import read_summary
 from coupling.sweep_plan import Plan, Point
 from coupling.sweep_rows import row_of, sweep_csv, sweep_json
 
@@ -67,11 +68,11 @@ class _Record:
         waiting = []
         for point in self.plan.points:
             for model, scene in point.scenes.items():
-                known = finished_summary(scene, self.folder / POINTS / point.name / model)
-                if known is None:
-                    waiting.append((point, model))
+                there = self.folder / POINTS / point.name / model
+                if is_complete(scene, there):
+                    self._keep(point, model, read_summary(there))
                 else:
-                    self._keep(point, model, known)
+                    waiting.append((point, model))
         return waiting
 
     def add(self, point: Point, model: str, summary: Summary) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from coupling.metrics.comparison import NAMES
+from coupling.metrics.comparison import NAMES, compare
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
-from coupling.study import errors_of, reference_of
+from coupling.results import read_results
+from coupling.scene_sections import LADDER
 from coupling.sweep_plan import Plan, Point
 
 _OF_A_MODEL = ("status", "wall_s", "failure")
@@ -26,12 +27,16 @@ def row_of(
     where all of them did.
     """
     models = list(summaries)
-    best = reference_of(models, summaries)
+    best = _highest(name for name in models if summaries[name].get("status") == "completed")
     scene = point.scenes[models[0]]
     rows = {name: _model_row(summaries[name]) for name in models}
     for name, row in rows.items():
         try:
-            row["error"] = errors_of(scene, folder / name, folder, best, summaries[name])
+            if best is not None and row["failure"] is None:
+                row["error"] = compare(
+                    read_results(folder / name), summaries[name],
+                    read_results(folder / best), summaries[best], scene.tank.radius,
+                )  # fmt: skip
         except RunFailed as error:
             row["status"], row["failure"] = "failed", str(error)
     failures = [f"{name}: {row['failure']}" for name, row in rows.items() if row["failure"]]
@@ -43,6 +48,10 @@ def row_of(
         "models": rows,
         "failure": "; ".join(failures) or None,
     }
+
+
+def _highest(models: Iterable[str]) -> str | None:
+    return max(models, key=LADDER.index, default=None)
 
 
 def _model_row(summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -68,7 +77,7 @@ def sweep_json(plan: Plan, title: str, rows: Sequence[Mapping[str, Any]]) -> dic
             for axis in plan.axes
         ],
         "models": list(plan.models),
-        "reference": reference_of(plan.models, {}),
+        "reference": _highest(plan.models),
         "points": len(plan.points),
         "rows": list(rows),
     }

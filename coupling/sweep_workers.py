@@ -23,7 +23,7 @@ from distributed.scheduler import KilledWorker
 
 from coupling.driver import run
 from coupling.scene import Scene, with_overrides
-from coupling.study import complete_run
+from coupling.study import run_or_reuse
 from coupling.sweep_plan import SweepError
 
 _SETTINGS = {
@@ -118,7 +118,7 @@ def run_task(scene: Scene, folder: Path) -> dict[str, Any]:
     """Complete the run in ``folder``, within a worker; returns its summary."""
     _load_kernels(scene)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    return complete_run(scene, folder)
+    return run_or_reuse(scene, folder, None)
 
 
 _loaded: set[str] = set()

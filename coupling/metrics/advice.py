@@ -10,7 +10,8 @@ from coupling.metrics.comparison import Errors
 Row = Mapping[str, Any]
 _Known = Mapping[str, Mapping[str, float]]  # errors by row and figure
 
-ENOUGH = 0.05
+LEVELS = (0.01, 0.05, 0.2)  # of relative errors: good, enough, poor
+ENOUGH = LEVELS[1]
 _WORDS = {
     "shape_rms": "shape",
     "cg_amplitude": "CG amplitude",

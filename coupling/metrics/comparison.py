@@ -78,6 +78,22 @@ def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
     return rows.astype(np.int64), nearest[rows].astype(np.int64)
 
 
+def cg_motion(mine: Mapping[str, Any], best: Mapping[str, Any]) -> float | None:
+    """|c - c_best|/|c_best| of two complex CG amplitudes (3,), each a summary's ``cg``.
+
+    Amplitude and phase in one number. None where either has none, or the second does not move.
+    """
+    if None in (*mine["amplitude_m"], *best["amplitude_m"]):
+        return None
+    one, other = _complex(mine), _complex(best)
+    return _over(float(np.linalg.norm(one - other)), float(np.linalg.norm(other)))
+
+
+def _complex(cg: Mapping[str, Any]) -> NDArray[np.complex128]:
+    phase = [0.0 if value is None else value for value in cg["phase_deg"]]
+    return np.asarray(cg["amplitude_m"] * np.exp(1j * np.radians(phase)))
+
+
 def _rms(values: Array, weight: Array) -> float:
     return float(np.sqrt((weight * values**2).sum() / weight.sum()))
 
