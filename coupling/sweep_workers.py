@@ -96,10 +96,11 @@ def run_tasks(client: Client, tasks: Sequence[Task]) -> Iterator[tuple[Task, dic
         for task in sorted(tasks, key=lambda task: -task.cost)
     }
     for future in as_completed(list(futures)):
-        yield futures[future], _outcome(future)
+        yield futures[future], outcome_of(future)
 
 
-def _outcome(future: Future[Any]) -> dict[str, Any]:
+def outcome_of(future: Future[Any]) -> dict[str, Any]:
+    """Summary that a run returned; where it raised or its workers died, a failure with why."""
     if future.status == "finished":
         summary: dict[str, Any] = future.result()
         return summary

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from coupling.metrics.advice import LEVELS
 from coupling.ports import Array
@@ -35,20 +35,44 @@ def error_map(grid: Grid, model: str, name: str, word: str, *, ratio: bool) -> P
     figure = new_figure(height=3.2)
     axes = figure.subplots()
     norm = BoundaryNorm(_BANDS, 256, extend="both")
-    drawn: dict[str, Any] = {"cmap": colormaps["YlGnBu"], "norm": norm, "shading": "nearest"}
-    mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(error), rasterized=True, **drawn)
+    scales = grid.logarithmic(across), grid.logarithmic(up)
+    mesh = axes.pcolormesh(
+        _corners(x, logarithmic=scales[0]),
+        _corners(y, logarithmic=scales[1]),
+        np.ma.masked_invalid(error),
+        cmap=colormaps["YlGnBu"],
+        norm=norm,
+    )
     bar = figure.colorbar(mesh, ax=axes, ticks=_BANDS, extend="both")
     bar.set_label(f"error in {word} (%)")
     bar.ax.yaxis.set_major_formatter(FuncFormatter(_plain))
     _contours(axes, x, y, error)
+    axes.plot(x, y, ".", color=GREY, markersize=1.5)
     failed = grid.failed()
     axes.plot(x[failed], y[failed], "x", color=ORANGE, markersize=5, markeredgewidth=1.4)
     axes.grid(False)
-    _scale(axes, "x", grid.logarithmic(across))
-    _scale(axes, "y", grid.logarithmic(up))
+    _scale(axes, "x", scales[0])
+    _scale(axes, "y", scales[1])
     axes.set(xlabel="f/f₁" if ratio else label(grid.keys[across]), ylabel=label(grid.keys[up]))
     text = f"Error of {model} in {word}; lines at 1, 5 and 20\u202f%."
     return Picture(source=svg(figure), caption=text + _crosses(grid), alt=text)
+
+
+def _corners(values: Array, *, logarithmic: bool) -> Array:
+    """Corners (m + 1, n + 1) of the cells round ``values`` (m, n), half way to the next."""
+    corners = np.log(values) if logarithmic else values
+    for axis in (0, 1):
+        if corners.shape[axis] == 1:  # no neighbour: a width of its own
+            wide = 0.05 * np.maximum(np.abs(corners), 1.0)
+            corners = np.concatenate([corners - wide, corners + wide], axis=axis)
+            continue
+        half = np.diff(corners, axis=axis) / 2.0
+        ends = [0], [-1]
+        first = corners.take(ends[0], axis) - half.take(ends[0], axis)
+        last = corners.take(ends[1], axis) + half.take(ends[1], axis)
+        middle = corners.take(range(corners.shape[axis] - 1), axis) + half
+        corners = np.concatenate([first, middle, last], axis=axis)
+    return np.exp(corners) if logarithmic else corners
 
 
 def _contours(axes: Any, x: Array, y: Array, error: Array) -> None:
@@ -74,7 +98,7 @@ def error_curves(grid: Grid, name: str, word: str, *, ratio: bool) -> Picture:
             _curve(axes, x, grid.error(model, name), label=model)
     else:
         _family(axes, grid, along, x, grid.error(grid.lesser[0], name))
-    if ratio and np.isfinite(x).any():
+    if ratio and name == "cg_amplitude" and np.isfinite(x).any():
         ends = np.array([np.nanmin(x), np.nanmax(x)])
         axes.plot(ends, 100.0 * ends**2, ":", color=GREY, label="(f/f₁)²")
     failed = grid.failed() & np.isfinite(x)
@@ -114,9 +138,9 @@ def _scale(axes: Any, direction: str, logarithmic: bool) -> None:
         return
     getattr(axes, f"set_{direction}scale")("log")
     axis = getattr(axes, f"{direction}axis")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 3e3 * low else (1.0,)))
     axis.set_major_formatter(FuncFormatter(_plain))
-    wide = high > 10.0 * max(low, 1e-300)
-    axis.set_minor_formatter(NullFormatter() if wide else FuncFormatter(_plain))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _plain(value: float, _: int) -> str:

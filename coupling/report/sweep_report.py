@@ -55,8 +55,8 @@ def _verdict(grid: Grid) -> tuple[str, str]:
     known = np.isfinite(error)
     within = int((error[known] <= level).sum())
     headline = (
-        f"{model.capitalize()} stays within {percent(level)} of {reference} in CG amplitude at "
-        f"{within} of {int(known.sum())} points."
+        f"{model.capitalize()} stays within {100.0 * level:g}\u202f% of {reference} in CG "
+        f"amplitude at {within} of {int(known.sum())} points."
     )
     limit = _up_to(grid, error, level)
     explanation = (
@@ -92,7 +92,7 @@ def _limits(grid: Grid) -> Section:
         title="How far the cheaper models reach",
         tables=[
             Table(
-                head=["Error in", *(f"within {percent(level)}" for level in LEVELS)],
+                head=["Error in", *(f"within {100.0 * level:g}\u202f%" for level in LEVELS)],
                 rows=rows,
                 note="How many points are within, and the largest f/f₁ up to which all points "
                 "are. Definitions as in a study: relative to the reference’s own figure.",
