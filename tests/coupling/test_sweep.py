@@ -127,7 +127,7 @@ def test_a_run_in_a_worker_is_that_of_the_command(path: Path, tmp_path: Path) ->
 def test_a_model_that_fails_is_a_row_with_its_reason(path: Path, tmp_path: Path) -> None:
     """The flow solver is not there: errors are then against the best that completed."""
     models = ("datum", "hydrostatic", "openfoam")
-    broken = plan(path, "liquid.fill_fraction=0.5,0.6", models, "openfoam.command=/no/solver")
+    broken = plan(path, "motion.amplitude=0.001,0.002", models, "openfoam.command=/no/solver")
     content = run_sweep(broken, tmp_path / "sweep", workers=1)
     for row in content["rows"]:
         assert "/no/solver" in row["failure"]
