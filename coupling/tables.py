@@ -67,6 +67,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     """The main figures of a run's ``summary.json`` and where the results are."""
     coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
     bernoulli = summary.get("bernoulli") or {}
+    period = (summary.get("energy") or {}).get("per_period") or {}
     rows = [
         ("status", summary.get("status")),
         ("model", summary.get("model")),
@@ -79,10 +80,15 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("unconverged steps", coupling.get("unconverged_steps")),
         ("CG amplitude [m]", cg.get("amplitude_m")),
         ("CG phase [deg]", cg.get("phase_deg")),
-        ("hydrostatic over kinetic pressure", _ratio(bernoulli.get("kinetic_ratio"))),
-        ("hydrostatic over unsteady pressure", _ratio(bernoulli.get("unsteady_ratio"))),
+        ("hydrostatic over kinetic, thesis Eq. 4.6", _ratio(bernoulli.get("eq46_as_printed"))),
+        ("... by the words of its text", _ratio(bernoulli.get("eq46_as_worded"))),
+        ("... as measured", _ratio(bernoulli.get("kinetic_ratio"))),
+        ("hydrostatic over unsteady, measured", _ratio(bernoulli.get("unsteady_ratio"))),
         ("dynamic over hydrostatic, rms", bernoulli.get("dynamic_fraction")),
         ("momentum that hydrostatics neglects", bernoulli.get("neglected_momentum")),
+        ("work done a period [J]", period.get("work_J")),
+        ("dissipated a period [J]", period.get("dissipated_J")),
+        ("... over the peak energy", period.get("fraction")),
         ("wall time [s]", summary.get("wall_s")),
         ("results", str(folder)),
     ]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from coupling.numbers import potential_to_kinetic
 from coupling.ports import Array, Ints
 
 
@@ -64,7 +65,8 @@ PARTS = {
 
 
 def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str, float | None]:
-    """rms over interface and time [Pa] of the hydrostatic pressure, of p* and of its parts.
+    """rms over interface and time [Pa] of the hydrostatic pressure, of p* and of its parts, and
+    the parts' fractions of the first.
 
     ``metrics`` (T,) by name, rms over the interface at every instant, as ``dynamic_fraction`` has
     them. ``unsteady``: p* less its kinetic part -rho |u|^2/2, which of an inviscid liquid is
@@ -73,11 +75,14 @@ def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str,
     or the results are of a version that did not tell.
     """
     names = {"hydrostatic": "hydrostatic_pressure_rms", "dynamic": "dynamic_pressure_rms"} | PARTS
-    return {
-        f"{name}_rms_Pa": _over_time(metrics.get(key))
-        if has_flow or name == "hydrostatic"
-        else None
+    rms = {
+        name: _over_time(metrics.get(key)) if has_flow or name == "hydrostatic" else None
         for name, key in names.items()
+    }
+    whole = rms["hydrostatic"]
+    shares = {name: _over(rms[name], whole) for name in PARTS}
+    return {f"{name}_rms_Pa": value for name, value in rms.items()} | {
+        f"{name}_fraction": value for name, value in shares.items()
     }
 
 
@@ -106,5 +111,24 @@ def weighted_rms(values: Array, weight: Array) -> float:
     return float(np.sqrt((weight * (values - mean) ** 2 / total).sum(axis=1).mean()))
 
 
-def _over(part: float, whole: float | None) -> float | None:
-    return part / whole if whole else None
+def thesis_estimates(
+    *, body_force: float, radius: float, frequency: float | None
+) -> dict[str, float | None]:
+    """Eq. 4.6 of the thesis for this scene: ``eq46_as_printed`` and ``eq46_as_worded``.
+
+    Its print has the liquid cover a quarter of the radius a period, its text a quarter of the
+    diameter. None without a frequency.
+    """
+    travels = {"eq46_as_printed": 0.25 * radius, "eq46_as_worded": 0.5 * radius}
+    return {
+        name: potential_to_kinetic(
+            body_force=body_force, radius=radius, frequency=frequency, travel=travel
+        )
+        if frequency
+        else None
+        for name, travel in travels.items()
+    }
+
+
+def _over(part: float | None, whole: float | None) -> float | None:
+    return part / whole if whole and part is not None else None

@@ -198,4 +198,9 @@ def _bernoulli(
             density=scene.liquid.density,
         ),
         "neglected_momentum": momentum,
+        **bernoulli.thesis_estimates(
+            body_force=body_force,
+            radius=radius,
+            frequency=scene.motion.frequency if scene.motion.kind == "sine" else None,
+        ),
     }

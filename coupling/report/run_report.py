@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 import h5py
 import numpy as np
 
+from coupling.report.bernoulli_tables import bernoulli_table, split_table
+from coupling.report.energy_section import energy_section
 from coupling.report.figures import (
     coupling_figure,
     mesh_figure,
@@ -23,12 +25,12 @@ from coupling.report.instants import sections, views
 from coupling.report.page import Page, Picture, Section, number
 from coupling.report.rub_maps import rub_maps
 from coupling.report.scene_table import (
-    bernoulli_table,
     cost_table,
     motion_table,
     quality_table,
     rubber_table,
     scene_tables,
+    transfer_table,
 )
 from coupling.report.verdict import bernoulli_keys, verdict
 
@@ -57,7 +59,8 @@ def run_page(run: RunFiles) -> Page:
 def _sections(run: RunFiles) -> list[Section]:
     sections = [_shape(run)] if len(run.results.time) else []
     if len(run.results.time) > 1:
-        sections += [pressure_section(run), _motion(run)]
+        energy = energy_section(run)
+        sections += [pressure_section(run), _motion(run), *([energy] if energy else [])]
     else:
         sections.append(
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
@@ -88,7 +91,7 @@ def pressure_section(run: RunFiles) -> Section:
     """The Bernoulli figures, and p* beside the hydrostatic pressure over time."""
     return Section(
         title="What hydrostatics leaves out",
-        tables=[bernoulli_table(run)],
+        tables=[table for table in (bernoulli_table(run), split_table(run)) if table],
         pictures=[pressure_figure(run), node_pressure_figure(run)],
     )
 
@@ -99,7 +102,7 @@ def _motion(run: RunFiles) -> Section:
     middle = results.liquid_cg.mean(axis=0)
     return Section(
         title="Centre of gravity and force",
-        tables=[motion_table(run)],
+        tables=[table for table in (motion_table(run), transfer_table(run)) if table],
         pictures=[
             motion_figure(
                 run,

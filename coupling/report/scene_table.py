@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from coupling.metrics.bernoulli import effective_gravity
-from coupling.numbers import numbers_of, potential_to_kinetic
+from coupling.numbers import numbers_of
 from coupling.report.files import RunFiles
-from coupling.report.page import Table, number, percent, ratio
+from coupling.report.page import Table, number, percent
 
 
 def scene_tables(run: RunFiles) -> list[Table]:
@@ -52,40 +49,10 @@ def scene_tables(run: RunFiles) -> list[Table]:
     return [Table(rows=rows, numbers=True), Table(rows=derived, numbers=True)]
 
 
-def bernoulli_table(run: RunFiles) -> Table:
-    """The thesis' estimate beside what was measured."""
-    scene, figures = run.scene, run.summary["bernoulli"]
-    force = effective_gravity(np.array(scene.gravity), run.results.tank_acceleration)
-    radius, frequency = scene.tank.radius, scene.motion.frequency
-    rows = []
-    if scene.motion.kind == "sine" and frequency:
-        known: dict[str, Any] = {"body_force": force, "radius": radius, "frequency": frequency}
-        rows += [
-            [
-                "Eq. 4.6 as printed: a quarter of the radius a period",
-                number(potential_to_kinetic(travel=0.25 * radius, **known), digits=4),
-            ],
-            [
-                "Eq. 4.6 by its text: a quarter of the diameter a period",
-                number(potential_to_kinetic(travel=0.5 * radius, **known), digits=4),
-            ],
-        ]
-    rows += [
-        ["With the measured speed (kinetic term)", ratio(figures["kinetic_ratio"])],
-        ["With the measured ∂φ/∂t (unsteady term)", ratio(figures["unsteady_ratio"])],
-    ]
-    return Table(
-        head=["Hydrostatic pressure over …", "ratio"],
-        rows=rows,
-        note="The larger, the better hydrostatics. Eq. 4.6 (thesis, chapter 4) guesses the speed "
-        "and compares kinetic energy alone; the unsteady term is the added mass. A dash: this "
-        "model has no flow to measure.",
-    )
-
-
 def motion_table(run: RunFiles) -> Table:
-    """Amplitude and phase of CG and force by component."""
+    """Amplitude and phase of CG, force and moment by component."""
     cg, force = run.summary["cg"], run.summary["force"]
+    moment = run.summary.get("moment") or {"amplitude_Nm": [None] * 3, "phase_deg": [None] * 3}
     rows = []
     for axis, name in enumerate("xyz"):
         rows.append(
@@ -95,6 +62,8 @@ def motion_table(run: RunFiles) -> Table:
                 _phase(cg["phase_deg"][axis]),
                 _amplitude(force["amplitude_N"], axis),
                 _phase(force["phase_deg"][axis]),
+                _amplitude(moment["amplitude_Nm"], axis),
+                _phase(moment["phase_deg"][axis]),
             ]
         )
     periods = run.summary.get("fitted_periods")
@@ -104,8 +73,36 @@ def motion_table(run: RunFiles) -> Table:
         if periods
         else "Half the peak-to-peak range: there is no whole period to fit."
     )
-    head = ["", "CG (mm)", "phase (°)", "force (N)", "phase (°)"]
-    return Table(head=head, rows=rows, note=how)
+    head = ["", "CG (mm)", "phase (°)", "force (N)", "phase (°)", "moment (N m)", "phase (°)"]
+    return Table(head=head, rows=rows, note=how + " The moment is about the tank’s centre.")
+
+
+def transfer_table(run: RunFiles) -> Table | None:
+    """Transfer functions and peaks by component; None where a run's files do not tell."""
+    cg, force = run.summary["cg"].get("transfer"), run.summary["force"].get("transfer")
+    if not cg or not force:
+        return None
+    peak, moment = run.summary["force"]["peak_dynamic_N"], run.summary["moment"]["peak_Nm"]
+    rows = [
+        [name, _complex(cg, axis), _complex(force, axis), number(peak[axis]), number(moment[axis])]
+        for axis, name in enumerate("xyz")
+    ]
+    return Table(
+        head=["", "CG over tank", "force over m a", "peak force (N)", "peak moment (N m)"],
+        rows=rows,
+        note="First harmonics as complex numbers: the CG’s displacement in the tank over the "
+        "tank’s own, and the force on the tank over −m a, which would be 1 for a liquid that "
+        "moves as one body with it. Peaks at the instants written out; the force without the "
+        "weight.",
+    )
+
+
+def _complex(ratio: dict[str, Any], axis: int) -> str:
+    real, imaginary = ratio["real"][axis], ratio["imag"][axis]
+    if real is None:
+        return "–"
+    text = f"{real:.3f} {'+' if imaginary >= 0.0 else '-'} {abs(imaginary):.3f} i"
+    return text.replace("-", "−")
 
 
 def _amplitude(values: list[float | None], axis: int, scale: float = 1.0) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -79,8 +80,12 @@ def write_run(
     model: str = "openfoam",
     tilt: float = 1.0,
     rings: int = 8,
+    metrics: Mapping[str, Callable[[float], float]] | None = None,
 ) -> None:
-    """The known run as a results folder; ``tilt`` scales how far the diaphragm moves."""
+    """The known run as a results folder; ``tilt`` scales how far the diaphragm moves.
+
+    ``metrics``: further ones, by name, as functions of the time.
+    """
     reference, triangles = disc(rings)
     writer = ResultsWriter(
         folder, scene_toml=scene, model=model, reference=reference, triangles=triangles
@@ -89,7 +94,8 @@ def write_run(
         known = sample(float(time), reference, triangles)
         flat = reference * [1.0, 1.0, 0.2]
         position = flat + tilt * (known.position - flat)
-        writer.append(replace(known, position=position))
+        more = {name: value(float(time)) for name, value in (metrics or {}).items()}
+        writer.append(replace(known, position=position, metrics={**known.metrics, **more}))
     writer.close()
 
 

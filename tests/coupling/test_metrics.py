@@ -9,7 +9,10 @@ import pytest
 from coupling.metrics import bernoulli
 from coupling.metrics.forces import momentum_imbalance
 from coupling.metrics.gravity_centre import neglected_momentum, neglected_momentum_transient
-from coupling.metrics.harmonic import first_harmonic, last_whole_periods
+from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_periods
+from coupling.metrics.transfer import tank_phasor, transfer
+from coupling.metrics.viscosity import stokes_layer
+from coupling.sampling import NodePressures, split_metrics
 
 ROUNDING = 1e-12
 
@@ -131,3 +134,58 @@ def test_effective_gravity_is_the_largest() -> None:
     tank = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
     assert bernoulli.effective_gravity(gravity, tank) == pytest.approx(np.hypot(9.81, 3.0))
     assert bernoulli.effective_gravity(gravity, tank[:0]) == pytest.approx(9.81)
+
+
+def test_transfer_is_the_ratio_whatever_the_direction() -> None:
+    """A CG of (0.1 - 0.2i) and a force of (1.1 - 0.2i) m omega^2 times the displacement."""
+    for displacement in (np.array([0.2j, 0.0, 0.0]), np.array([0.12, 0.0, 0.16]) * np.exp(0.7j)):
+        excitation = tank_phasor(displacement)
+        assert abs(excitation) == pytest.approx(0.2)
+        response = Harmonic(
+            coefficient=np.array([0.1 - 0.2j, 0.0, -0.3]) * excitation, mean=np.zeros(3), periods=1
+        )
+        found = transfer(response, excitation)
+        assert found["real"] == pytest.approx([0.1, 0.0, -0.3])
+        assert found["imag"] == pytest.approx([-0.2, 0.0, 0.0], abs=ROUNDING)
+        assert found["amplitude"] == pytest.approx([np.hypot(0.1, 0.2), 0.0, 0.3])
+        assert found["phase_deg"][0] == pytest.approx(-np.degrees(np.arctan2(0.2, 0.1)))
+        assert found["phase_deg"][1] is None
+    assert transfer(response, 0j)["real"] == [None] * 3
+
+
+def test_stokes_layer_of_water() -> None:
+    # Landau and Lifshitz's depth of penetration sqrt(2 nu/omega)
+    assert stokes_layer(1e-6, 1.25) == pytest.approx(np.sqrt(2e-6 / (2.0 * np.pi * 1.25)))
+
+
+def test_parts_of_the_pressure_are_rms_over_time_too() -> None:
+    metrics = {
+        "hydrostatic_pressure_rms": np.array([3.0, 4.0]),
+        "dynamic_pressure_rms": np.array([1.0, 1.0]),
+        "unsteady_pressure_rms": np.array([0.6, 0.8]),
+    }
+    split = bernoulli.pressure_split(metrics, has_flow=True)
+    assert split["hydrostatic_rms_Pa"] == pytest.approx(np.sqrt(12.5))
+    assert split["unsteady_fraction"] == pytest.approx(np.sqrt(0.5 / 12.5))
+    assert split["kinetic_fraction"] is None
+    assert bernoulli.pressure_split(metrics, has_flow=False)["unsteady_rms_Pa"] is None
+
+
+def test_split_of_a_known_pressure_weighs_as_the_dynamic_fraction() -> None:
+    points, triangles = run.disc()
+    hydrostatic = 1000.0 * 9.81 * points[:, 2]
+    pressures = NodePressures(
+        dynamic=0.3 * hydrostatic + 7.0,
+        kinetic=-0.1 * hydrostatic,
+        viscous=np.full(len(points), 0.02),
+    )
+    found = split_metrics(points, triangles, hydrostatic, pressures)
+    whole = found["hydrostatic_pressure_rms"]
+    fraction = bernoulli.dynamic_fraction(
+        position=points[None], triangles=triangles, dynamic_pressure=pressures.dynamic[None],
+        body_force=np.array([[0.0, 0.0, 9.81]]), density=1000.0,
+    )  # fmt: skip
+    assert found["dynamic_pressure_rms"] / whole == pytest.approx(fraction, rel=1e-12)
+    assert found["unsteady_pressure_rms"] / whole == pytest.approx(0.4, rel=1e-12)
+    assert found["kinetic_pressure_rms"] / whole == pytest.approx(0.1, rel=1e-12)
+    assert found["viscous_traction_rms"] == pytest.approx(0.02)

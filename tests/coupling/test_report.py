@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import known_run as run
 import numpy as np
@@ -17,6 +20,8 @@ from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
 from coupling.ports import Array, RunStatistics
 from coupling.report import render_picture, write_report
+from coupling.report.bernoulli_tables import bernoulli_table, split_table
+from coupling.report.energy_section import energy_section
 from coupling.report.files import RunFiles, read_run
 from coupling.report.page import number, percent
 from coupling.report.picture import period_rows
@@ -49,7 +54,26 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
-def whole_run(folder: Path, model: str = "openfoam", **known: float) -> None:
+# 20 J dissipated a period, 16 J of them told apart, and rms of pressures
+ENERGIES: dict[str, Callable[[float], float]] = {
+    "tank_work": lambda t: 25.0 * t * run.FREQUENCY,
+    "mechanical_energy": lambda t: 4.0,
+    "liquid_potential_energy": lambda t: 2.0,
+    "datum_work": lambda t: 0.0,
+    "dissipated": lambda t: 20.0 * t * run.FREQUENCY,
+    "dissipated_by_liquid": lambda t: 5.0 * t * run.FREQUENCY,
+    "dissipated_by_bending": lambda t: 10.0 * t * run.FREQUENCY,
+    "dissipated_by_drag": lambda t: t * run.FREQUENCY,
+    "layer_estimate": lambda t: 0.1 * t * run.FREQUENCY,
+    "hydrostatic_pressure_rms": lambda t: 300.0,
+    "dynamic_pressure_rms": lambda t: 100.0,
+    "unsteady_pressure_rms": lambda t: 90.0,
+    "kinetic_pressure_rms": lambda t: 30.0,
+    "viscous_traction_rms": lambda t: 0.01,
+}
+
+
+def whole_run(folder: Path, model: str = "openfoam", **known: Any) -> None:
     scene = run.scene()
     scene = scene.model_copy(update={"model": scene.model.model_copy(update={"fluid": model})})
     run.write_run(folder, scene=scene_toml(scene), model=model, **known)
@@ -81,6 +105,52 @@ def test_a_run_is_reported_with_its_verdict_and_figures(tmp_path: Path) -> None:
     assert len(page.images) == 8 + 1 + 2 + 2 + 1 + 4
     assert "−30.0" in text  # the lag of the CG
     assert "Known run" in text
+
+
+def test_thesis_estimate_stands_beside_the_measured_ratios(tmp_path: Path) -> None:
+    whole_run(tmp_path)
+    read = read_run(tmp_path)
+    rows = bernoulli_table(read).rows
+    figures = read.summary["bernoulli"]
+    assert [row[1] for row in rows] == [
+        number(figures["eq46_as_printed"], digits=4),
+        number(figures["eq46_as_worded"], digits=4),
+        number(figures["kinetic_ratio"]),
+        number(figures["unsteady_ratio"]),
+    ]
+    assert figures["eq46_as_printed"] == pytest.approx(4.0 * figures["eq46_as_worded"])
+    assert all(row[2] for row in rows)
+
+
+def test_results_without_a_balance_are_reported_without_one(tmp_path: Path) -> None:
+    """As an older version left them: the known run's results hold no energies."""
+    whole_run(tmp_path)
+    content = json.loads((tmp_path / "summary.json").read_text())
+    for name in ("energy", "pressure", "boundary_layer", "moment"):
+        del content[name]
+    del content["cg"]["transfer"], content["force"]["transfer"]
+    write_json(tmp_path / "summary.json", content)
+    text, _ = parsed(write_report(tmp_path))
+    assert "Where the energy goes" not in text
+    assert "CG over tank" not in text
+
+
+@pytest.mark.parametrize("model", ["potential", "openfoam", "hydrostatic"])
+def test_energy_and_parts_of_the_pressure_are_told_where_the_results_hold_them(
+    tmp_path: Path, model: str
+) -> None:
+    whole_run(tmp_path, model=model, metrics=ENERGIES)
+    read = read_run(tmp_path)
+    section = energy_section(read)
+    assert section is not None
+    table = {row[0]: row[1:] for row in section.tables[0].rows}
+    assert table["Dissipated"] == ["20\u202fJ", "500\u202f% of the largest stored"]
+    assert table["… by the liquid"] == ["5\u202fJ", "25\u202f%"]
+    assert table["… by impacts, snapping taut and the time step"] == ["4\u202fJ", "20\u202f%"]
+    split = split_table(read)
+    assert split is not None
+    assert split.rows[3][1:] == ["30\u202fPa", "10\u202f%"]
+    parsed(write_report(tmp_path))
 
 
 def test_a_broken_run_says_why(tmp_path: Path) -> None:

@@ -1,0 +1,99 @@
+"""What hydrostatics leaves out: the thesis' estimate beside the measured, and the parts of p*."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coupling.metrics.bernoulli import effective_gravity, thesis_estimates
+from coupling.report.files import RunFiles
+from coupling.report.page import Table, number, percent, ratio
+
+
+def bernoulli_table(run: RunFiles) -> Table:
+    """The thesis' estimate, as printed and by its own words, beside what was measured."""
+    scene, figures = run.scene, run.summary["bernoulli"]
+    rows = []
+    if scene.motion.kind == "sine" and scene.motion.frequency:
+        estimate = thesis_estimates(
+            body_force=effective_gravity(np.array(scene.gravity), run.results.tank_acceleration),
+            radius=scene.tank.radius,
+            frequency=scene.motion.frequency,
+        )
+        rows += [
+            [
+                "Kinetic term, thesis Eq. 4.6 as printed",
+                number(estimate["eq46_as_printed"], digits=4),
+                "guesses that the liquid moves a quarter of the radius a period",
+            ],
+            [
+                "Kinetic term, Eq. 4.6 by the words of its text",
+                number(estimate["eq46_as_worded"], digits=4),
+                "the same guess with a quarter of the diameter: four times less",
+            ],
+        ]
+    rows += [
+        [
+            "Kinetic term, measured",
+            ratio(figures["kinetic_ratio"]),
+            "with the largest speed that this run found: what Eq. 4.6 is after",
+        ],
+        [
+            "Unsteady term, measured",
+            ratio(figures["unsteady_ratio"]),
+            "with the largest ∂φ/∂t: the added mass, which Eq. 4.6 does not have",
+        ],
+    ]
+    return Table(
+        head=["Hydrostatic pressure over …", "ratio", "what it says"],
+        rows=rows,
+        numbers=False,
+        note="ρ|g − a|R over the largest value of the term in the run. Far above 1, hydrostatics "
+        "may leave the term out; about 1 or below, it may not. In the thesis’ own example, 1 Hz "
+        "and 12 inches, Eq. 4.6 gives 1118 and 279.5. A dash: this model has no flow to measure.",
+    )
+
+
+_PARTS = {
+    "dynamic": "p*, all that hydrostatics leaves out",
+    "unsteady": "… its unsteady part −ρ∂φ/∂t",
+    "kinetic": "… its kinetic part −ρ|u|²/2",
+    "viscous": "Viscous stress on the diaphragm",
+}
+
+
+def split_table(run: RunFiles) -> Table | None:
+    """The parts of p* against the hydrostatic pressure; None where nothing flows or is told."""
+    pressure, layer = run.summary.get("pressure"), run.summary.get("boundary_layer")
+    if not pressure or not layer or pressure["dynamic_rms_Pa"] is None:
+        return None
+    whole = pressure["hydrostatic_rms_Pa"]
+    rows = [["Hydrostatic pressure", number(whole, "Pa"), ""]]
+    for part, text in _PARTS.items():
+        value = pressure[f"{part}_rms_Pa"]
+        if part == "viscous" and run.model == "potential":
+            rows.append([text, "none in this model", ""])
+        elif value is not None:
+            rows.append([text, number(value, "Pa"), percent(value / whole) if whole else "–"])
+    return Table(
+        head=["rms over diaphragm and time", "", "of hydrostatic"],
+        rows=rows,
+        note="Means over the diaphragm removed. " + _how(run, layer),
+    )
+
+
+def _how(run: RunFiles, layer: dict[str, float | None]) -> str:
+    if run.model == "potential":
+        return "Exact for the harmonic polynomials that this model’s potential is made of."
+    text = (
+        "The kinetic part is that of the cells at the diaphragm; the unsteady part is the rest of "
+        "p*, with what vorticity does. The viscous stress is the solver’s own."
+    )
+    if layer["cells_in_layer"] is None or layer["stokes_layer_m"] is None:
+        return text
+    return text + (
+        f" A laminar layer would be {number(1e3 * layer['stokes_layer_m'], 'mm', 2)} thick, "
+        f"{number(layer['cells_in_layer'], digits=2)} of the cells at the walls: this mesh does "
+        "not show it, and the stress is by about that factor too small."
+        if layer["cells_in_layer"] < 1.0
+        else f" The laminar layer spans {number(layer['cells_in_layer'], digits=2)} cells."
+    )

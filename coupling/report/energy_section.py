@@ -1,0 +1,116 @@
+"""Where the energy goes: a figure over time, and a table by period."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coupling.metrics.energy import rest
+from coupling.report.files import RunFiles
+from coupling.report.page import Picture, Section, Table, number, percent
+from coupling.report.style import BLUE, GREY, INK, ORANGE, legend_above, new_figure, svg, thinned
+
+_ROWS = {
+    "liquid_J": "… by the liquid",
+    "removed_J": "… … of it taken out by the rule against made energy",
+    "bending_damping_J": "… by the damping of the sheet’s bending",
+    "drag_J": "… by the sheet’s tangential drag",
+    "rest_J": "… by impacts, snapping taut and the time step",
+}
+
+
+def energy_section(run: RunFiles) -> Section | None:
+    """The energy balance of a run; None where its files hold none, or nothing moved."""
+    energy = run.summary.get("energy")
+    if not energy or not energy["peak_J"] or len(run.results.time) < 2:
+        return None
+    return Section(
+        title="Where the energy goes",
+        text="Liquid and diaphragm together, in the tank’s frame, summed over every step: the work "
+        "of the tank’s acceleration, less the energy that is stored, has been dissipated.",
+        tables=[energy_table(run)],
+        pictures=[_stored(run), _lost(run)],
+    )
+
+
+def energy_table(run: RunFiles) -> Table:
+    """Work and dissipation by period, or of the whole run where there is none."""
+    energy = run.summary["energy"]
+    period = energy["per_period"]
+    if period is None:
+        rows = [
+            ["Work of the tank’s acceleration", number(energy["work_J"], "J"), ""],
+            ["Dissipated", number(energy["dissipated_J"], "J"), ""],
+            ["Largest energy stored", number(energy["peak_J"], "J"), ""],
+        ]
+        return Table(head=["Whole run", "", ""], rows=rows)
+    lost = period["dissipated_J"]
+    rows = [
+        ["Work of the tank’s acceleration", number(period["work_J"], "J"), ""],
+        ["Largest energy stored", number(period["peak_J"], "J"), ""],
+        ["Dissipated", number(lost, "J"), f"{percent(period['fraction'])} of the largest stored"],
+    ]
+    rows += [
+        [text, number(period[name], "J"), percent(period[name] / lost) if lost else "–"]
+        for name, text in _ROWS.items()
+        if period[name] is not None
+    ]
+    return Table(head=["A period", "", "of the dissipated"], rows=rows, note=_note(run))
+
+
+def _note(run: RunFiles) -> str:
+    layer = run.summary["energy"]["per_period"]["wall_layer_estimate_J"]
+    text = "A negative share makes energy. "
+    if layer is not None:
+        text += (
+            f"Laminar boundary layers at the walls would take about {number(layer, 'J', 2)} a "
+            "period (Stokes’s estimate, beside the balance). "
+        )
+    if run.model == "potential":
+        text += "This model’s liquid has no viscosity: it loses energy in impacts and to the step."
+    if run.model == "openfoam":
+        text += (
+            "What the liquid loses beyond that goes into vortices, impacts, mesh and step, which "
+            "this run does not tell apart."
+        )
+    return text.strip()
+
+
+def _stored(run: RunFiles) -> Picture:
+    """Energies over time."""
+    metrics, time = run.results.metrics, run.results.time
+    figure = new_figure()
+    axes = figure.subplots()
+    axes.plot(*thinned(time, metrics["mechanical_energy"]), color=INK, label="all")
+    if "kinetic_energy" in metrics:
+        axes.plot(*thinned(time, metrics["kinetic_energy"]), "--", color=BLUE, label="flow")
+    raised = metrics["liquid_potential_energy"]
+    axes.plot(*thinned(time, raised), "-.", color=ORANGE, label="raised liquid")
+    axes.set(xlabel="time (s)", ylabel="energy stored (J)")
+    legend_above(axes)
+    text = "Energy above that at rest: of liquid and diaphragm, of the flow, of the raised liquid."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _lost(run: RunFiles) -> Picture:
+    """Work and dissipation since the start, over time."""
+    metrics, time = run.results.metrics, run.results.time
+    figure = new_figure()
+    axes = figure.subplots()
+    work = metrics["tank_work"] + metrics["datum_work"]
+    damped = metrics["dissipated_by_bending"] + metrics["dissipated_by_drag"]
+    curves = (
+        ("work", work, GREY, "-"),
+        ("dissipated", metrics["dissipated"], INK, "-"),
+        ("liquid", metrics["dissipated_by_liquid"], BLUE, "--"),
+        ("damping", damped, ORANGE, "-."),
+        ("rest", np.asarray(rest(metrics)), GREY, ":"),
+    )
+    for label, values, colour, line in curves:
+        axes.plot(*thinned(time, values), line, color=colour, label=label)
+    axes.set(xlabel="time (s)", ylabel="since the start (J)")
+    legend_above(axes, columns=3)
+    text = (
+        "Work of the tank and what was dissipated, and by what: the liquid, the diaphragm’s "
+        "damping, and the rest (impacts, snapping taut, time step)."
+    )
+    return Picture(source=svg(figure), caption=text, alt=text)
