@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from importlib.resources import files
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +30,10 @@ class Table:
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A heading and what stands under it; ``columns`` pictures side by side."""
+    """A heading and what stands under it; ``columns`` pictures side by side.
+
+    ``viewer`` is the JSON of a turnable view (``coupling.report.viewer``); one section has it.
+    """
 
     title: str
     text: str = ""
@@ -38,6 +42,7 @@ class Section:
     columns: int = 2
     scale: Picture | None = None
     source: str = ""
+    viewer: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,10 +62,26 @@ class Page:
 def html(page: Page) -> str:
     """The page as one self-contained HTML text."""
     environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("coupling.report", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
-    text = files("coupling.report").joinpath("report.html").read_text(encoding="utf-8")
-    return environment.from_string(text).render(page=page)
+    scripts = [_file(name) for name in ("webgl/three.min.js", "viewer.js")]
+    turnable = any(section.viewer for section in page.sections)
+    template = environment.get_template("report.html")
+    return template.render(page=page, scripts=scripts if turnable else [], data=_data)
+
+
+def _file(name: str) -> Markup:
+    """A script of ours or a bundled one, which is no template."""
+    return Markup(files("coupling.report").joinpath(name).read_text(encoding="utf-8"))
+
+
+def _data(json_text: str) -> Markup:
+    """JSON inside a script's tags, which no text in it can close."""
+    return Markup(json_text.replace("<", "\\u003c"))
 
 
 def number(value: float | None, unit: str = "", digits: int = 3) -> str:

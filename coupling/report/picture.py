@@ -19,6 +19,7 @@ from coupling.report.style import GREY, INK, LIGHT, house_style
 from coupling.results import Results
 
 ELEVATION = 20.0
+DIVERGING, SEQUENTIAL = "RdBu_r", "YlGnBu"  # colours of p*, and of the net pressure
 _TURN = -18.0  # degrees off the plane of shaking, so that the surface is seen to have depth
 _ROUNDING = 1e-12  # of the largest pressure: a p* below it is none
 _LIGHT = np.array([-0.35, -0.55, 0.75])
@@ -59,7 +60,7 @@ class PressureColours:
         if high <= low:
             low, high = low - 1.0, low + 1.0
         self.mappable = ScalarMappable(
-            Normalize(low, high), colormaps["RdBu_r" if diverging else "YlGnBu"]
+            Normalize(low, high), colormaps[DIVERGING if diverging else SEQUENTIAL]
         )
 
 
@@ -84,14 +85,12 @@ def period_rows(results: Results, count: int) -> list[int]:
     first instant is a quarter later, where the tank is farthest out. A run too short for that,
     which also starts softly, is shown in its second half.
     """
-    time, moved = results.time, results.tank_displacement
+    time = results.time
     if len(time) <= count:
         return list(range(len(time)))
-    largest = int(np.argmax(np.ptp(moved, axis=0)))
-    along = moved[:, largest]
-    upward = np.flatnonzero((along[:-1] < 0.0) & (along[1:] >= 0.0))
+    upward = _upward_crossings(results)
     if len(upward) >= 2:
-        begin, end = float(time[upward[-2]]), float(time[upward[-1]])
+        begin, end = upward[-2:]
         share = 0.25 + np.arange(count) * (0.5 / (count - 1) if count == 3 else 1.0 / count)
         wanted = begin + share * (end - begin)
         if wanted[-1] > time[-1]:
@@ -101,13 +100,39 @@ def period_rows(results: Results, count: int) -> list[int]:
     return [int(np.argmin(np.abs(time - instant))) for instant in wanted]
 
 
+def last_period_rows(results: Results, most: int) -> list[int]:
+    """Rows of the last period, which ends with the run; of a run too short, its second half.
+
+    Where they are more than ``most``, every k-th, the last one among them.
+    """
+    time, upward = results.time, _upward_crossings(results)
+    long_enough = len(upward) >= 2
+    duration = upward[-1] - upward[-2] if long_enough else 0.5 * (time[-1] - time[0])
+    rows = np.flatnonzero(time > time[-1] - duration * (1.0 - 1e-9))
+    every = -(-len(rows) // most)
+    return [int(row) for row in rows[::-1][::every][::-1]] if len(rows) else [len(time) - 1]
+
+
+def _upward_crossings(results: Results) -> list[float]:
+    """Instants [s] before which the tank's displacement changes from negative to positive."""
+    moved = results.tank_displacement
+    along = moved[:, int(np.argmax(np.ptp(moved, axis=0)))]
+    rows = np.flatnonzero((along[:-1] < 0.0) & (along[1:] >= 0.0))
+    return [float(instant) for instant in results.time[rows]]
+
+
+def seen_from(results: Results) -> tuple[float, float]:
+    """Azimuth and elevation [degrees] of who looks across the direction of shaking."""
+    along = horizontal(np.ptp(results.tank_displacement, axis=0))
+    return float(np.degrees(np.arctan2(along[1], along[0]))) - 90.0 + _TURN, ELEVATION
+
+
 def draw_tank(axes: Any, results: Results, row: int, colours: PressureColours) -> None:
     """Shell outline and diaphragm at one instant, seen across the direction of shaking."""
     radius = float(np.linalg.norm(results.reference, axis=1).max())
-    along = horizontal(np.ptp(results.tank_displacement, axis=0))
-    azimuth = float(np.degrees(np.arctan2(along[1], along[0]))) - 90.0 + _TURN
+    azimuth, elevation = seen_from(results)
     axes.set_proj_type("ortho")
-    axes.view_init(elev=ELEVATION, azim=azimuth)
+    axes.view_init(elev=elevation, azim=azimuth)
     axes.set_axis_off()
     axes.computed_zorder = False  # what is behind what is decided here
     axes.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-radius, radius))

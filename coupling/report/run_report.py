@@ -33,6 +33,7 @@ from coupling.report.scene_table import (
     transfer_table,
 )
 from coupling.report.verdict import bernoulli_keys, verdict
+from coupling.report.viewer import run_viewer
 
 
 def run_page(run: RunFiles) -> Page:
@@ -84,6 +85,7 @@ def _shape(run: RunFiles) -> Section:
         pictures=[*pictures, *sections(run)],
         columns=4,
         scale=scale,
+        viewer=run_viewer(run),
     )
 
 

@@ -17,6 +17,7 @@ from coupling.report.instants import overlaid_sections
 from coupling.report.page import Page, Section, percent
 from coupling.report.run_report import pressure_section, provenance, quality_section
 from coupling.report.scene_table import scene_tables
+from coupling.report.viewer import study_view
 
 _CURVELESS = ("compliant", "inextensible")  # lies on the curve of the model it changes
 
@@ -34,7 +35,8 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     sections = [_errors(study), *_speed(study)]
     if runs:
         drawn = [run for run in runs if run.label not in _CURVELESS]
-        sections += [*_curves(drawn), _shapes(drawn), *_reference(drawn), _scene(runs[0])]
+        sections += [*_curves(drawn), _shapes(drawn), *study_view(drawn, study)]
+        sections += [*_reference(drawn), _scene(runs[0])]
     title = runs[0].scene.title if runs else ""
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",

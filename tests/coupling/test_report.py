@@ -47,7 +47,7 @@ class Page(HTMLParser):
             assert values["alt"] is not None
             self.images.append(str(values["src"]))
         assert "href" not in values
-        if tag not in {"img", "meta"}:
+        if tag not in {"img", "input", "meta"}:
             self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
@@ -90,7 +90,8 @@ def parsed(path: Path) -> tuple[str, Page]:
     assert page.open == []
     assert all(source.startswith("data:image/") for source in page.images)
     assert not re.search(r"(src|href|url)\s*[=(]\s*[\"']?(https?:)?//", text)
-    assert not re.search(r"\bnan\b|\bNone\b", re.sub(r"data:image[^\"]*", "", text))
+    written = re.sub(r"data:image[^\"]*|<script>.*?</script>", "", text, flags=re.DOTALL)
+    assert not re.search(r"\bnan\b|\bNone\b", written)
     return text, page
 
 

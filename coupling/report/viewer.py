@@ -1,0 +1,137 @@
+"""What the turnable view in the report shows: the diaphragm's last period, packed as JSON.
+
+The view itself is ``viewer.js``, drawn with the part of three.js that ``webgl/three.min.js``
+holds: half a megabyte, MIT licence, turns with mouse and finger. All of it goes into the page.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib import colormaps
+
+from coupling.numbers import level_of_fill_fraction
+from coupling.ports import Array
+from coupling.report.files import RunFiles
+from coupling.report.instants import views
+from coupling.report.page import Section
+from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
+from coupling.results import Results
+
+INSTANTS = 60  # at most, of a period
+BYTES = 6_000_000  # of all runs' positions and pressures, before base64 adds a third
+_TOP = 32767  # of a 16 bit integer
+_SEEN = (0.02, 0.98)  # quantiles that the colours span: a slam would leave all the rest pale
+
+
+def run_viewer(run: RunFiles) -> str:
+    """A run's own view: hydrostatic pressure beside p*; without a flow the pressure alone."""
+    parts = ("hydrostatic", "dynamic") if run.has_flow else ("pressure",)
+    return _packed([run], run, [(run.model, part) for part in parts])
+
+
+def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]:
+    """Section with two of the ``runs`` side by side, at first the hydrostatic and the reference.
+
+    ``runs`` are complete ones of one scene. Its pictures, which also print, are the reference's.
+    Without a reference the first of the ``runs`` stands for it.
+    """
+    seen = [run for run in runs if len(run.results.time)]
+    if not seen:
+        return []
+    best = next((run for run in seen if run.model == study["reference"]), seen[0])
+    others = sorted((run for run in seen if run is not best), key=lambda run: run.has_flow)
+    shown = [(run.model, "pressure") for run in (*others[:1], best)]
+    pictures, scale = views(best)
+    return [
+        Section(
+            title="Pressure on the diaphragm",
+            text=f"Pictures: {best.model}, at instants of the last period, or of the second half "
+            "of a short run. Below, two models side by side.",
+            pictures=pictures,
+            columns=4,
+            scale=scale,
+            viewer=_packed(seen, best, shown),
+        )
+    ]
+
+
+def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str, str]]) -> str:
+    """JSON of the last period of ``runs`` at the instants of ``timed``; see ``viewer.js``."""
+    results, scene = timed.results, timed.scene
+    rows = last_period_rows(results, _affordable(runs))
+    pull = np.array(scene.gravity) - results.tank_acceleration[rows]
+    axis = int(np.argmax(np.ptp(results.tank_displacement, axis=0)))
+    azimuth, elevation = seen_from(results)
+    content = {
+        "views": [{"model": model, "quantity": quantity} for model, quantity in shown],
+        "runs": [_run(run, _nearest(run.results, results.time[rows])) for run in runs],
+        "time": _rounded(results.time[rows]),
+        "tank": {
+            "axis": "xyz"[axis],
+            "displacement": _rounded(results.tank_displacement[rows, axis]),
+            "radius": scene.tank.radius,
+        },
+        "pull": _rounded(pull / np.maximum(np.linalg.norm(pull, axis=1), 1e-300)[:, None]),
+        "level": level_of_fill_fraction(scene.liquid.fill_fraction) - 1.0,
+        "camera": {"azimuth": azimuth, "elevation": elevation},
+        "colours": {"diverging": _colours(DIVERGING), "sequential": _colours(SEQUENTIAL)},
+    }
+    return json.dumps(content, separators=(",", ":"), allow_nan=False)
+
+
+def _affordable(runs: Sequence[RunFiles]) -> int:
+    """Instants that fit into ``BYTES``; two at least, of however fine a sheet."""
+    one = sum(10 * len(run.results.reference) for run in runs)  # 5 integers of 2 bytes a node
+    return int(np.clip(BYTES // one, 2, INSTANTS))
+
+
+def _nearest(results: Results, wanted: Array) -> list[int]:
+    return [int(np.argmin(np.abs(results.time - instant))) for instant in wanted]
+
+
+def _run(run: RunFiles, rows: list[int]) -> dict[str, Any]:
+    results = run.results
+    dynamic, pressure = results.dynamic_pressure[rows] / 1e3, results.pressure[rows] / 1e3
+    quantities = {"pressure": pressure, "hydrostatic": pressure - dynamic, "dynamic": dynamic}
+    small = len(results.reference) <= np.iinfo(np.uint16).max
+    return {
+        "model": run.model,
+        "flow": run.has_flow,
+        "triangles": _text(results.triangles.astype("<u2" if small else "<u4")),
+        "wide": not small,
+        "position": _quantised(results.position[rows]),
+        "pressure": _quantised(pressure),
+        "dynamic": _quantised(dynamic) if run.has_flow else None,
+        "range": {name: _range(values) for name, values in quantities.items()},
+        "cg": _rounded(results.liquid_cg[rows]),
+    }
+
+
+def _range(values: Array) -> list[float]:
+    low, high = np.quantile(values, _SEEN)
+    return [round(float(low), 5), round(float(high), 5)]
+
+
+def _quantised(values: Array) -> dict[str, Any]:
+    """16 bit integers and what one of them is worth; off by half of that, 1.5e-5 of the largest."""
+    unit = float(np.abs(values).max(initial=0.0)) / _TOP or 1.0
+    return {"unit": unit, "values": _text(np.rint(values / unit).astype("<i2"))}
+
+
+def _rounded(values: Array) -> Any:
+    return np.round(values, 5).tolist()
+
+
+def _text(values: npt.NDArray[Any]) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+
+
+def _colours(name: str) -> str:
+    """256 colours, red, green and blue in bytes."""
+    return _text(np.rint(255.0 * colormaps[name](np.arange(256))[:, :3]).astype(np.uint8))
