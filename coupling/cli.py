@@ -19,13 +19,13 @@ from coupling.cli_options import (
     need_openfoam,
     resumable,
 )
+from coupling.cli_render import render
 from coupling.cli_sweep import sweep
 from coupling.exit_status import ExitStatus, guarded, run_app, stop
 from coupling.model_errors import choose
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
-from coupling.results import read_results
 from coupling.run_folder import (
     check_reportable,
     check_resumable,
@@ -45,7 +45,6 @@ from coupling.tables import (
 )
 from coupling.verify import CASES, option_pairs, run_all, run_case
 
-PICTURES = frozenset({".pdf", ".png", ".svg"})
 STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *ROWS})
 
 app = typer.Typer(
@@ -155,26 +154,15 @@ def study(
 
 @app.command()
 @guarded
-def report(
-    folder: RunFolder,
-    picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Write a picture of the run instead."),
-    ] = None,
-) -> None:
+def report(folder: RunFolder) -> None:
     """Build report.html again from the files of a run, a study or a sweep."""
     check_reportable(folder)
-    from coupling.report import render_picture, write_report
+    from coupling.report import write_report
 
-    if picture is None:
-        typer.echo(write_report(folder))
-        return
-    if not (folder / "results.h5").is_file():
-        stop(f"{folder}: is no run. Give the folder of one of its runs.", ExitStatus.WRONG_INPUT)
-    if picture.suffix not in PICTURES:
-        known = ", ".join(sorted(PICTURES))
-        stop(f"--picture: must end in {known}, got '{picture}'.", ExitStatus.WRONG_INPUT)
-    typer.echo(render_picture(read_results(folder), picture))
+    typer.echo(write_report(folder))
+
+
+app.command()(render)
 
 
 @app.command()

@@ -18,6 +18,7 @@ _RUN_FILES = frozenset(
         "coupling.csv",
         "checkpoint.h5",
         "report.html",
+        "period.mp4",
         "log.txt",
         "foam",
         "auto.json",

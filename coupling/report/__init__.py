@@ -1,6 +1,7 @@
 """One HTML file that says what a run or a study found, from its files alone."""
 
 from coupling.report.picture import render_picture
+from coupling.report.video import VIDEOS, render_video
 from coupling.report.write import write_report
 
-__all__ = ["render_picture", "write_report"]
+__all__ = ["VIDEOS", "render_picture", "render_video", "write_report"]

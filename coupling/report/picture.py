@@ -30,7 +30,7 @@ def render_picture(results: Results, path: Path | str) -> Path:
 
     The format follows the ending of ``path``. Models without a flow show the hydrostatic pressure.
     """
-    rows = period_rows(results, 3)
+    rows, period = period_rows(results, 3), last_period_rows(results, len(results.time))
     with house_style():
         figure = Figure(figsize=(3.1 * len(rows), 3.9))
         FigureCanvasAgg(figure)
@@ -39,12 +39,10 @@ def render_picture(results: Results, path: Path | str) -> Path:
         for column, row in enumerate(rows):
             axes = figure.add_axes((column * share, 0.2, share, 0.8), projection="3d")
             draw_tank(axes, results, row, colours)
+            draw_cg(axes, results, period, row)
             text = f"t = {results.time[row]:.2f} s"
             figure.text((column + 0.5) * share, 0.2, text, ha="center", color=GREY)
-        scale = figure.add_axes((0.32, 0.125, 0.36, 0.02))
-        bar = figure.colorbar(colours.mappable, cax=scale, orientation="horizontal")
-        bar.set_label(colours.label)
-        bar.outline.set_visible(False)
+        pressure_scale(figure, (0.32, 0.125, 0.36, 0.02), colours)
         figure.savefig(path, dpi=130, facecolor="white")
     return Path(path)
 
@@ -76,6 +74,14 @@ def pressure_colours(results: Results, rows: list[int]) -> PressureColours:
     colours = PressureColours(results.pressure[rows] / 1e3, "net pressure (kPa)", diverging=False)
     colours.values = results.pressure / 1e3
     return colours
+
+
+def pressure_scale(figure: Any, place: tuple[float, ...], colours: PressureColours) -> None:
+    """Bar of the colours, named; ``place`` is its left, bottom, width and height in the figure."""
+    axes = figure.add_axes(place)
+    bar = figure.colorbar(colours.mappable, cax=axes, orientation="horizontal")
+    bar.set_label(colours.label)
+    bar.outline.set_visible(False)
 
 
 def period_rows(results: Results, count: int) -> list[int]:
@@ -140,12 +146,17 @@ def draw_tank(axes: Any, results: Results, row: int, colours: PressureColours) -
     _draw_shell(axes, radius, azimuth)
     corners = results.position[row][results.triangles]
     shown = colours.values[row][results.triangles].mean(axis=1)
-    surface = Poly3DCollection(
-        corners, facecolors=_lit(corners, colours.mappable.to_rgba(shown)), linewidths=0.15
-    )
-    surface.set_edgecolor((0.1, 0.13, 0.16, 0.25))
+    faces = _lit(corners, colours.mappable.to_rgba(shown))
+    edges = faces * [0.85, 0.85, 0.85, 1.0]  # opaque: what is behind would shine through the seams
+    surface = Poly3DCollection(corners, facecolors=faces, edgecolors=edges, linewidths=0.4)
     surface.set_zorder(2)
     axes.add_collection3d(surface)
+
+
+def draw_cg(axes: Any, results: Results, rows: list[int], row: int) -> None:
+    """The liquid's centre of gravity at ``row``, and its path over ``rows``, in front of all."""
+    axes.plot(*results.liquid_cg[rows].T, color=INK, linewidth=0.9, zorder=5)
+    axes.plot(*results.liquid_cg[[row]].T, "o", color=INK, markersize=4.0, zorder=6)
 
 
 def _draw_shell(axes: Any, radius: float, azimuth: float) -> None:

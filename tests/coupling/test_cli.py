@@ -247,9 +247,7 @@ def test_study_runs_the_models_and_prints_speed_against_error(case: Path, monkey
 
 
 def test_report_prints_where_it_is(case: Path, monkeypatch):
-    report = SimpleNamespace(
-        write_report=lambda folder: folder / "report.html", render_picture=None
-    )
+    report = SimpleNamespace(write_report=lambda folder: folder / "report.html")
     monkeypatch.setitem(sys.modules, "coupling.report", report)
     (case / "results.h5").touch()
     result = edt("report", case)
@@ -260,9 +258,20 @@ def test_a_run_leaves_its_report_and_gives_its_picture(case: Path):
     changes = ["--set", "time.duration=0.02", "--set", "model.fluid=hydrostatic"]
     assert edt("run", case, "-o", "run", *changes, "--set", "cloth.resolution=4").exit_code == 0
     assert Path("run/report.html").is_file()
-    assert edt("report", "run", "--picture", "run.svg").exit_code == 0
+    assert edt("render", "run", "-o", "run.svg").exit_code == 0
     assert Path("run.svg").read_text().lstrip().startswith("<?xml")
-    assert edt("report", "run", "--picture", "run.doc").exit_code == 2
+    assert edt("render", "run").stdout.strip() == "run/period.mp4"
+    assert Path("run/period.mp4").stat().st_size > 1000
+    assert edt("render", "run", "-o", "run.doc").exit_code == 2
+    assert edt("run", case, "-o", "run", *changes, "--force").exit_code == 0
+    assert not Path("run/period.mp4").exists()  # of the run that was replaced
+
+
+def test_a_study_is_no_run_to_render(case: Path):
+    (case / "study.json").touch()
+    result = edt("render", case)
+    assert result.exit_code == 2
+    assert "is a study" in result.stderr
 
 
 def test_check_advises_a_model(case: Path):
