@@ -68,15 +68,15 @@ def html(page: Page) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    scripts = [_file(name) for name in ("webgl/three.min.js", "viewer.js")]
+    scripts = [_script(name) for name in ("three.min.js", "tank.js", "viewer.js")]
     turnable = any(section.viewer for section in page.sections)
     template = environment.get_template("report.html")
     return template.render(page=page, scripts=scripts if turnable else [], data=_data)
 
 
-def _file(name: str) -> Markup:
-    """A script of ours or a bundled one, which is no template."""
-    return Markup(files("coupling.report").joinpath(name).read_text(encoding="utf-8"))
+def _script(name: str) -> Markup:
+    """A script of the turnable view, which is no template."""
+    return Markup(files("coupling.report").joinpath("webgl", name).read_text(encoding="utf-8"))
 
 
 def _data(json_text: str) -> Markup:

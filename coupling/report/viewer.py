@@ -1,7 +1,8 @@
 """What the turnable view in the report shows: the diaphragm's last period, packed as JSON.
 
-The view itself is ``viewer.js``, drawn with the part of three.js that ``webgl/three.min.js``
-holds: half a megabyte, MIT licence, turns with mouse and finger. All of it goes into the page.
+The view itself is ``webgl/viewer.js``. It draws with three.js, of which ``webgl/three.min.js`` is
+the part in use: half a megabyte (plotly.js is nine times as much), of MIT licence, quick enough to
+play, turned by mouse and finger. All of it goes into the page.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
     if not seen:
         return []
     best = next((run for run in seen if run.model == study["reference"]), seen[0])
-    others = sorted((run for run in seen if run is not best), key=lambda run: run.has_flow)
+    others = sorted((run for run in seen if run is not best), key=_worth_comparing)
     shown = [(run.model, "pressure") for run in (*others[:1], best)]
     pictures, scale = views(best)
     return [
@@ -61,8 +62,12 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
     ]
 
 
+def _worth_comparing(run: RunFiles) -> int:
+    return {"hydrostatic": 0, "potential": 1}.get(run.model, 2)
+
+
 def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str, str]]) -> str:
-    """JSON of the last period of ``runs`` at the instants of ``timed``; see ``viewer.js``."""
+    """JSON of the last period of ``runs``, at the instants of ``timed``."""
     results, scene = timed.results, timed.scene
     rows = last_period_rows(results, _affordable(runs))
     pull = np.array(scene.gravity) - results.tank_acceleration[rows]

@@ -74,7 +74,7 @@ def look(browser: Browser) -> Iterator[Open]:
 
     def opened(folder: Path, width: int = 1200, **context: Any) -> Page:
         page = browser.new_context(viewport={"width": width, "height": 1400}, **context).new_page()
-        page.set_default_timeout(10_000)
+        page.set_default_timeout(30_000)
         page.on("console", lambda told: told.type == "error" and complaints.append(told.text))
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("request", lambda request: fetched.append(request.url))
@@ -191,6 +191,34 @@ def test_a_telephone_shows_it_stacked_without_scrolling_aside(study: Path, look:
     assert lower
     assert lower["x"] == upper["x"]
     assert lower["y"] > upper["y"] + upper["height"]
+
+
+def swipe(page: Page, begin: tuple[float, float], way: tuple[float, float]) -> None:
+    """One finger, from ``begin`` by ``way`` [pixels]."""
+    finger = page.context.new_cdp_session(page)
+    for kind, share in (
+        ("touchStart", 0.0),
+        *(("touchMove", 0.2 * k) for k in range(1, 6)),
+        ("touchEnd", 1.0),
+    ):
+        at = {"x": begin[0] + share * way[0], "y": begin[1] + share * way[1]}
+        points = [] if kind == "touchEnd" else [at]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def test_a_finger_turns_sideways_and_scrolls_up_and_down(study: Path, look: Open) -> None:
+    page = look(study, width=390, has_touch=True)
+    before = pictures(page)
+    canvas = canvases(page)[0]
+    canvas.scroll_into_view_if_needed()
+    box, scrolled = canvas.bounding_box(), page.evaluate("scrollY")
+    assert box
+    middle = (box["x"] + 150, box["y"] + 150)
+    swipe(page, middle, (100, 0))
+    assert all(new != old for new, old in zip(pictures(page), before, strict=True))
+    assert page.evaluate("scrollY") == scrolled
+    swipe(page, middle, (0, -120))
+    page.wait_for_function(f"scrollY > {scrolled + 50}")
 
 
 def test_print_and_a_browser_without_scripts_have_the_pictures(study: Path, look: Open) -> None:
