@@ -1,4 +1,4 @@
-"""Compiled triangular solves with a sparse L D L^T factor in dense blocks, and a low-rank update.
+"""Compiled triangular solves with a sparse L D L^T factor in dense blocks.
 
 Neighbouring columns of L with the same rows below them form a supernode (Ashcraft and Grimes
 1989), kept as one dense block: half the memory to read, and each row of the right-hand side is
@@ -240,16 +240,3 @@ def solve_nodes(
     for i in range(len(order)):
         for d in range(3):
             result[order[i], d] = work[i, d]
-
-
-@compiled
-def low_rank_step(directions: Array, right: Array, solved: Array) -> None:
-    """solved -= Z^T Z right in one pass over Z = ``directions`` (r, N)."""
-    size = directions.shape[1]
-    for r in range(directions.shape[0]):
-        z = directions[r]
-        p = 0.0
-        for i in range(size):
-            p += z[i] * right[i]
-        for i in range(size):
-            solved[i] -= p * z[i]

