@@ -134,7 +134,8 @@ class FreePatch:
 
     def rows_to_cloth(self, rows: Array) -> Array:
         """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
-        return np.ascontiguousarray(np.matmul(self.weights.T, rows))
+        flat = rows.transpose(1, 0, 2).reshape(len(self.weights), -1)  # one large product
+        return np.asarray((self.weights.T @ flat).reshape(-1, len(rows), 3).transpose(1, 0, 2))
 
     def save(self) -> dict[str, Array]:
         """What of the map a former step has left."""
