@@ -42,9 +42,9 @@ class CoupledStep:
 
     With ``added_mass`` the flow's own inertia operator M_a enters the structure's step, and the
     flow hands back its defect p + M_a a only, which is small and smooth in time: extrapolated from
-    former steps it is the predictor. The operator belongs to the shape at the step's end, which is
-    first predicted with that of the step before. ``record`` is told of every iteration: time [s],
-    iteration, relative residual, seconds.
+    former steps it is the predictor. The operator belongs to the shape at the step's end, as the
+    diaphragm's velocity has it. ``record`` is told of every iteration: time [s], iteration,
+    relative residual, seconds.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class CoupledStep:
         self.record = record
         self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
         self._defects = Defects()
-        self._inertia: AddedMass | None = None  # of this step, or the one before
+        self._inertia: AddedMass | None = None  # of this step
         self._beside = np.zeros(len(flow.faces))  # pressure on them of the last step [Pa]
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
@@ -120,26 +120,17 @@ class CoupledStep:
                 self.flow.slide(self._start)
             self._held = self.mapping.beside(self._beside)
             ahead = self.mapping.to_flow(state.position + dt * state.velocity)
+            ahead = self.flow.close_volume(ahead)
         if not self.added_mass:
             self._begin_structure(dt, load)
-            return self.flow.close_volume(ahead)
-        if self._inertia is None:
-            with self._timed("fluid"):
-                self._inertia = self.flow.added_mass(self.flow.points)
-        predicted = self._prediction(dt, load, self._inertia, ahead)
+            return ahead
         with self._timed("fluid"):
-            self._inertia = self.flow.added_mass(predicted)
-        return self._prediction(dt, load, self._inertia, predicted)
-
-    def _prediction(
-        self, dt: float, load: HydrostaticLoad, inertia: AddedMass, near: Array
-    ) -> Array:
-        """Where the extrapolated defect leads with ``inertia``; it acts on a shape ``near`` it."""
+            self._inertia = self.flow.added_mass(ahead)
         with self._timed("mapping"):
-            rows = self.mapping.rows_to_cloth(inertia.rows)
+            rows = self.mapping.rows_to_cloth(self._inertia.rows)
         self._begin_structure(dt, load, rows)
         defect = self._defects.next(len(self.flow.faces))
-        return self._structure_answer(pressure_force(near, self.flow.faces, defect))
+        return self._structure_answer(pressure_force(ahead, self.flow.faces, defect))
 
     def _begin_structure(self, dt: float, load: HydrostaticLoad, rows: Array | None = None) -> None:
         with self._timed("structure"):
@@ -162,16 +153,12 @@ class CoupledStep:
     def save(self) -> dict[str, Array]:
         """The predictor's history."""
         saved = self._defects.save()
-        if self._inertia is not None:
-            saved |= {"rows": self._inertia.rows, "factor": self._inertia.factor}
         saved["beside"] = self._beside
         return saved | self.mapping.save()
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
         self._defects.restore(saved)
-        if "rows" in saved:
-            self._inertia = AddedMass(rows=saved["rows"], factor=saved["factor"])
         self._beside = saved["beside"]
         self.mapping.restore(saved)
 
