@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from coupling.foam.added_mass import added_mass, inertial_pressure, wall_distance
+from coupling.foam.added_mass import NeumannLaplacian, added_mass, wall_distance
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import CellGeometry
 from coupling.foam.keepalive import case_of
@@ -97,6 +97,7 @@ class OpenFoamFlow:
         """
         self.time, self.dt = round(time, 11), dt  # as the case's folders are named
         self._following.begin_step(shell)
+        self._laplacian: NeumannLaplacian | None = None  # where the step is expected to end
         self._rate: Array | None = None  # of the fluxes that sliding makes (B,) [m^3/s^2]
 
     def slide(self, points: Array) -> None:
@@ -146,7 +147,8 @@ class OpenFoamFlow:
         rate = self._moving(swept, self.dt, first=self.steps == 0)
         if self._rate is not None:
             if self._undue is None:
-                self._undue = inertial_pressure(self.mesh, self._now, self._rate, self.density)
+                laplacian = self._laplacian or NeumannLaplacian(self.mesh, self._now)
+                self._undue = self.density * laplacian.pressure(self._rate)
             self._pressure = self._pressure - self._undue
             rate = rate - self._rate[: self.mesh.diaphragm_faces]
         patch = self.mesh.diaphragm
@@ -163,7 +165,8 @@ class OpenFoamFlow:
     def added_mass(self, points: Array) -> AddedMass:
         """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
         self._following.follow(points, self._moment)
-        return added_mass(self.mesh, self._now, points, self.density)
+        self._laplacian = NeumannLaplacian(self.mesh, self._now)
+        return added_mass(self._laplacian, points, self.density)
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""

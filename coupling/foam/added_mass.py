@@ -29,38 +29,45 @@ def wall_distance(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
     return np.asarray(np.einsum("fx,fx->f", reach, area) / np.linalg.norm(area, axis=1))
 
 
-def neumann_trace(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
-    """G (F, F) [1/m]: p_f = -rho (G a)_f for accelerations a of the flux [m^3/s^2], Sum a = 0.
+class NeumannLaplacian:
+    """The Laplacian of the cells of ``mesh`` at ``geometry``, no flux through any wall, eliminated.
 
-    p_f is the wall's value: the cell's, and the half cell beyond it that ``zeroGradient`` omits.
-    Symmetric; accelerations with a net flux are answered up to a constant.
+    One cell is held: pressures are defined up to a constant, which the callers' means remove.
     """
-    order, wall = _elimination(mesh.owner.tobytes(), mesh.neighbour.tobytes(), mesh.diaphragm.stop)
-    # The cell left out is held: the trace is defined up to a constant, which the callers' means
-    # remove. With the wall's cells last, what is left of the others' elimination is the trace's
-    # inverse: no pressure inside need be found.
-    solver = splu(csc_array(_laplacian(mesh, geometry)[order][:, order]), **_ORDERED)
-    assert np.array_equal(solver.perm_r, np.arange(len(order))), "a pivot has moved"
-    inner = len(order) - len(wall)
-    schur = (solver.L[inner:, inner:] @ solver.U[inner:, inner:]).toarray()
-    face = np.searchsorted(wall, mesh.owner[mesh.diaphragm])
-    trace = np.linalg.inv(schur)[np.ix_(face, face)]
-    patch_area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
-    return 0.5 * (trace + trace.T) + np.diag(wall_distance(mesh, geometry) / patch_area)
 
+    def __init__(self, mesh: LiquidMesh, geometry: CellGeometry) -> None:
+        self.mesh, self.geometry = mesh, geometry
+        self._order, self._wall = _elimination(
+            mesh.owner.tobytes(), mesh.neighbour.tobytes(), mesh.diaphragm.stop
+        )
+        matrix = _laplacian(mesh, geometry)[self._order][:, self._order]
+        self._solver = splu(csc_array(matrix), **_ORDERED)
+        assert np.array_equal(self._solver.perm_r, np.arange(len(self._order))), "a pivot has moved"
 
-def inertial_pressure(
-    mesh: LiquidMesh, geometry: CellGeometry, rate: Array, density: float
-) -> Array:
-    """Pressure (c,) [Pa] in the cells that fluxes changing by ``rate`` (B,) [m^3/s^2] ask for.
+    def trace(self) -> Array:
+        """G (F, F) [1/m]: p_f = -rho (G a)_f for accelerations a of the flux [m^3/s^2], Sum a = 0.
 
-    One rate for each boundary face, without a sum; the level of the pressure is that of cell 0.
-    """
-    outward = np.bincount(mesh.owner[mesh.inner_faces :], rate, mesh.cells)
-    pressure = np.zeros(mesh.cells)
-    solver = splu(csc_array(_laplacian(mesh, geometry)[1:, 1:]))
-    pressure[1:] = solver.solve(-density * outward[1:])
-    return pressure
+        p_f is the wall's value: the cell's, and the half cell beyond that ``zeroGradient`` omits.
+        Symmetric; accelerations with a net flux are answered up to a constant.
+        """
+        # With the wall's cells last, what is left of the others' elimination is the trace's
+        # inverse: no pressure inside need be found.
+        mesh, inner = self.mesh, len(self._order) - len(self._wall)
+        schur = (self._solver.L[inner:, inner:] @ self._solver.U[inner:, inner:]).toarray()
+        face = np.searchsorted(self._wall, mesh.owner[mesh.diaphragm])
+        trace = np.linalg.inv(schur)[np.ix_(face, face)]
+        patch_area = np.linalg.norm(self.geometry.face_area[mesh.diaphragm], axis=1)
+        return 0.5 * (trace + trace.T) + np.diag(wall_distance(mesh, self.geometry) / patch_area)
+
+    def pressure(self, rate: Array) -> Array:
+        """p/rho (c,) [m^2/s^2] in the cells that fluxes changing by ``rate`` ask for.
+
+        ``rate`` (B,) [m^3/s^2], one for each boundary face, without a sum.
+        """
+        outward = np.bincount(self.mesh.owner[self.mesh.inner_faces :], rate, self.mesh.cells)
+        pressure = np.zeros(self.mesh.cells)
+        pressure[self._order] = self._solver.solve(-outward[self._order])
+        return pressure
 
 
 _SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
@@ -120,15 +127,16 @@ def _sparse(rows: Ints, columns: Ints, values: Array | float, shape: tuple[int, 
     return csc_array(coo_array((data, (rows, columns)), shape=shape))
 
 
-def added_mass(mesh: LiquidMesh, geometry: CellGeometry, patch: Array, density: float) -> AddedMass:
+def added_mass(laplacian: NeumannLaplacian, patch: Array, density: float) -> AddedMass:
     """The liquid's inertia on the diaphragm's points ``patch`` (p, 3), where the cells are.
 
     Means over the interface are removed on both sides: a uniform pressure is the volume
     constraint's business. ``density`` [kg/m^3]. Exact factor of the discrete operator to rounding.
     """
+    mesh, geometry = laplacian.mesh, laplacian.geometry
     area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
     mean = np.eye(len(area)) - np.outer(np.ones(len(area)), area / area.sum())
-    operator = density * mean @ neumann_trace(mesh, geometry) @ mean.T
+    operator = density * mean @ laplacian.trace() @ mean.T
     value, vector = np.linalg.eigh(0.5 * (operator + operator.T))
     kept = value > 1e-12 * value[-1]
     factor = (vector[:, kept] * np.sqrt(value[kept])).T  # (r, F)

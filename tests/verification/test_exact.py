@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.special import jnp_zeros
 
-from coupling.foam.added_mass import added_mass, neumann_trace
+from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
 from coupling.sloshing_modes import lateral_eigenvalue
@@ -129,7 +129,7 @@ def operator_error(cells):
     geometry = cell_geometry(mesh, size * mesh.points)
     area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
     basis = np.linalg.svd(area[None])[2][1:].T
-    inertia = basis.T @ (area[:, None] * neumann_trace(mesh, geometry) * area) @ basis
+    inertia = basis.T @ (area[:, None] * NeumannLaplacian(mesh, geometry).trace() * area) @ basis
     weight = basis.T @ np.diag(area) @ basis
     return abs(float(eigh(weight, inertia, eigvals_only=True)[0]) / 1.560157 - 1)
 
@@ -198,7 +198,9 @@ def test_cylinder_with_openfoam_within_grid_and_step_error():
     mesh = prism_mesh(cells, 1.0)
     tank = Tank(tension=100.0, order=1, wave_number=jnp_zeros(1, 1)[0] / RADIUS, depth=1.0)
     top = RADIUS * mesh.points[mesh.patch_points]
-    rows = added_mass(mesh, cell_geometry(mesh, RADIUS * mesh.points), top, DENSITY).rows
+    rows = added_mass(
+        NeumannLaplacian(mesh, cell_geometry(mesh, RADIUS * mesh.points)), top, DENSITY
+    ).rows
     in_space = tank.surface(top, mesh.patch_faces).mode(tank.shape(top), rows)[0]
     # backward lowers omega by (omega dt)^2/3; its next order, and the solver's splitting, beside.
     angle = found.exact * step

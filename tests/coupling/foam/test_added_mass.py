@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from coupling.foam.added_mass import added_mass, neumann_trace, wall_distance
+from coupling.foam.added_mass import NeumannLaplacian, added_mass, wall_distance
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
 from coupling.interface import swept_gradient
@@ -21,7 +21,7 @@ def level():
 
 def test_trace_is_symmetric_and_positive_on_closed_fluxes(level):
     mesh, geometry, _ = level
-    trace = neumann_trace(mesh, geometry)
+    trace = NeumannLaplacian(mesh, geometry).trace()
     assert np.abs(trace - trace.T).max() < 1e-12 * np.abs(trace).max()
     count = len(trace)
     closed = np.eye(count)[:, 1:] - np.eye(count)[:, :1]  # all fluxes without a net one
@@ -30,13 +30,13 @@ def test_trace_is_symmetric_and_positive_on_closed_fluxes(level):
 
 def test_rows_factor_the_operator(level):
     mesh, geometry, patch = level
-    rows = added_mass(mesh, geometry, patch, DENSITY).rows
+    rows = added_mass(NeumannLaplacian(mesh, geometry), patch, DENSITY).rows
     faces = mesh.patch_faces
     flux = np.zeros((len(faces), *patch.shape))
     np.add.at(flux, (np.arange(len(faces))[:, None], faces), swept_gradient(patch[faces]))
     area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
     mean = np.eye(len(area)) - np.outer(np.ones(len(area)), area / area.sum())
-    operator = DENSITY * mean @ neumann_trace(mesh, geometry) @ mean.T
+    operator = DENSITY * mean @ NeumannLaplacian(mesh, geometry).trace() @ mean.T
     motion = np.random.default_rng(0).normal(size=(2, *patch.shape))
     flat = np.tensordot(rows, motion, axes=([1, 2], [1, 2]))
     swept = np.tensordot(flux, motion, axes=([1, 2], [1, 2]))
@@ -47,7 +47,7 @@ def test_rows_factor_the_operator(level):
 def test_uniform_lift_has_no_added_mass(level):
     # It is the volume constraint's business: a mean pressure is removed, and a net flux too.
     mesh, geometry, patch = level
-    rows = added_mass(mesh, geometry, patch, DENSITY).rows
+    rows = added_mass(NeumannLaplacian(mesh, geometry), patch, DENSITY).rows
     lift = np.zeros_like(patch)
     lift[:, 2] = 1.0
     tilt = lift * patch[:, :1]
@@ -70,7 +70,7 @@ def sloshing(cells):
     size = (2 * np.pi / 3 / cell_geometry(mesh, mesh.points).volume.sum()) ** (1 / 3)
     geometry = cell_geometry(mesh, size * mesh.points)
     area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
-    trace = neumann_trace(mesh, geometry)
+    trace = NeumannLaplacian(mesh, geometry).trace()
     basis = np.linalg.svd(area[None])[2][1:].T  # heights without volume
     weights = basis.T @ np.diag(area) @ basis
     inertia = basis.T @ (area[:, None] * trace * area) @ basis
