@@ -1,5 +1,6 @@
 """Volumes as OpenFOAM sums them: closed, consistent with each other, and of second order."""
 
+import geometry_reference as reference
 import numpy as np
 import pytest
 
@@ -15,6 +16,23 @@ from coupling.foam.mesh import half_ball
 
 def deformed(points):
     return points + 0.05 * np.sin(4 * points[:, [1, 2, 0]]) * (1.0, 0.5, 0.8)
+
+
+def test_kernels_against_their_definitions():
+    mesh = half_ball(700)
+    old, new = mesh.points[mesh.faces], deformed(mesh.points)[mesh.faces]
+    for got, wanted in zip(
+        face_centres_and_areas(new), reference.face_centres_and_areas(new), strict=True
+    ):
+        np.testing.assert_allclose(got, wanted, atol=1e-15)
+    np.testing.assert_allclose(
+        swept_volumes(old, new), reference.swept_volumes(old, new), atol=1e-16
+    )
+    assert fan_volume(new) == pytest.approx(reference.fan_volume(new), rel=1e-13)
+    got = cell_geometry(mesh, deformed(mesh.points))
+    wanted = reference.cell_geometry(mesh, deformed(mesh.points))
+    np.testing.assert_allclose(got.volume, wanted.volume, rtol=1e-12)
+    np.testing.assert_allclose(got.centre, wanted.centre, atol=1e-14)
 
 
 def test_square():
