@@ -6,13 +6,15 @@ whatever N. N and c are those of a step: the coupling iterates on a fixed linear
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from coupling.ports import Array, StructureState
+from cloth.compiled import compiled
+from coupling.ports import Array, Ints, StructureState
 
 NEIGHBOURS_AT_LEAST = 12  # nodes a row may use; three conditions stand on every row
 NEIGHBOURS_AT_MOST = 80
@@ -87,25 +89,44 @@ def moving_least_squares(source: Array, target: Array) -> Array:
     count = min(NEIGHBOURS_AT_MOST, len(source))
     distance, near = (np.asarray(a) for a in cKDTree(source).query(target, k=count))
     least = distance[:, min(NEIGHBOURS_AT_LEAST, count) - 1]
-    radius = np.maximum(SUPPORT * spacing, 1.01 * least)[:, None]
-    share = np.clip(1.0 - distance / radius, 0.0, None)
-    kernel = np.where(share > 0.0, share**2 + 1e-6, 0.0)
-    aside = np.where(np.abs(target[:, 2:]) < 0.7, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
-    first = np.cross(target, aside)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    second = np.cross(target, first)
-    offset = (source[near] - target[:, None]) / radius[:, :, None]  # (t, k, 3)
-    conditions = np.stack(
-        [
-            np.ones_like(distance),
-            np.einsum("tkx,tx->tk", offset, first),
-            np.einsum("tkx,tx->tk", offset, second),
-        ],
-        axis=2,
-    )
-    moments = np.einsum("tk,tka,tkb->tab", kernel, conditions, conditions)
-    goal = np.broadcast_to(np.array([[1.0], [0.0], [0.0]]), (len(target), 3, 1))
-    factor = np.linalg.solve(moments, goal)[..., 0]
+    radius = np.maximum(SUPPORT * spacing, 1.01 * least)
     weights = np.zeros((len(target), len(source)))
-    np.put_along_axis(weights, near, kernel * np.einsum("tka,ta->tk", conditions, factor), axis=1)
+    least_norm_weights(source, target, near, distance, radius, weights)
     return weights
+
+
+@compiled
+def least_norm_weights(
+    source: Array, target: Array, near: Ints, distance: Array, radius: Array, weights: Array
+) -> None:
+    """Fill ``weights`` (t, s) of the sources ``near`` (t, k) at ``distance`` (t, k).
+
+    They are kernel * (1, x, y) f with the offset's tangential parts x and y over the support's
+    ``radius`` (t,), where f solves sum kernel (1, x, y)^T (1, x, y) f = (1, 0, 0).
+    """
+    across = np.empty((near.shape[1], 3))  # kernel, x and y of every source
+    for t in range(target.shape[0]):
+        t0, t1, t2 = target[t]
+        if abs(t2) < 0.7:  # target x z, or target x x
+            u0, u1, u2 = t1, -t0, 0.0
+        else:
+            u0, u1, u2 = 0.0, t2, -t1
+        size = math.sqrt(u0 * u0 + u1 * u1 + u2 * u2)
+        u0, u1, u2 = u0 / size, u1 / size, u2 / size
+        v0, v1, v2 = t1 * u2 - t2 * u1, t2 * u0 - t0 * u2, t0 * u1 - t1 * u0
+        a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # [[a, b, c], [b, d, e], [c, e, f]]
+        for k in range(near.shape[1]):
+            share = 1.0 - distance[t, k] / radius[t]
+            w = share * share + 1e-6 if share > 0.0 else 0.0
+            o0 = (source[near[t, k], 0] - t0) / radius[t]
+            o1 = (source[near[t, k], 1] - t1) / radius[t]
+            o2 = (source[near[t, k], 2] - t2) / radius[t]
+            x, y = o0 * u0 + o1 * u1 + o2 * u2, o0 * v0 + o1 * v1 + o2 * v2
+            across[k, 0], across[k, 1], across[k, 2] = w, x, y
+            a, b, c = a + w, b + w * x, c + w * y
+            d, e, f = d + w * x * x, e + w * x * y, f + w * y * y
+        p, q, r = d * f - e * e, c * e - b * f, b * e - c * d  # cofactors of the first column
+        scale = 1.0 / (a * p + b * q + c * r)
+        for k in range(near.shape[1]):
+            w, x, y = across[k]
+            weights[t, near[t, k]] = scale * w * (p + x * q + y * r)

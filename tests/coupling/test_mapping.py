@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 
 from cloth.mesh import hemisphere
 from coupling.foam.mesh import half_ball
-from coupling.mapping import Matching, moving_least_squares
+from coupling.mapping import Matching, least_norm_weights, moving_least_squares
 
 
 @pytest.fixture(params=[8, 16])
@@ -19,6 +20,25 @@ def pair(request):
         [np.sin(reach) * np.cos(azimuth), np.sin(reach) * np.sin(azimuth), np.cos(reach)], axis=1
     )
     return cloth, target, moving_least_squares(cloth.points, target)
+
+
+def test_weights_against_their_definition():
+    """One row by a general solve: of all weights that satisfy the conditions, the least."""
+    cloth, target = hemisphere(1.0, 8).points, np.array([[0.1, 0.3, 0.0], [0.6, 0.5, 0.0]])
+    target[:, 2] = np.sqrt(1.0 - np.sum(target**2, axis=1))
+    distance = np.linalg.norm(cloth - target[:, None], axis=2)
+    near = np.argsort(distance, axis=1)[:, :20]
+    distance, radius = np.take_along_axis(distance, near, axis=1), np.array([0.4, 0.5])
+    weights = np.zeros((2, len(cloth)))
+    least_norm_weights(cloth, target, near, distance, radius, weights)
+    for row, at, nodes, far, reach in zip(weights, target, near, distance, radius, strict=True):
+        share = np.clip(1.0 - far / reach, 0.0, None)
+        kernel = np.where(share > 0.0, share**2 + 1e-6, 0.0)
+        conditions = np.column_stack([np.ones(20), (cloth[nodes] - at) @ null_space(at[None])])
+        root = np.sqrt(kernel)
+        least = np.linalg.lstsq((root[:, None] * conditions).T, [1.0, 0.0, 0.0])[0]
+        np.testing.assert_allclose(row[nodes], root * least, atol=1e-12)
+        assert (row != 0.0).sum() == (kernel > 0.0).sum()
 
 
 def test_rows_sum_to_one(pair):
