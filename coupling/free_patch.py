@@ -84,7 +84,7 @@ class FreePatch:
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
         points[self._rim] = self.size * self.radius * rim
         self.weights[self._rim] = 0.0
-        points = self._rounded(points, nodes)
+        self._round(points)
         depth = np.minimum(FILM, WEDGE * (1.0 - self._reach) * edge)
         most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
         points[~self.mesh.rim] *= np.minimum(1.0, most)[~self.mesh.rim, None]
@@ -93,24 +93,22 @@ class FreePatch:
         centre = liquid_cg(nodes, self._triangles, self.radius, state.volume) / self.radius
         return self._wall(centre - [0.0, 0.0, LOW], rim)
 
-    def _rounded(self, points: Array, nodes: Array) -> Array:
-        """``points`` (p, 3) [m] with sharp creases rounded, and the weights with them.
+    def _round(self, points: Array) -> None:
+        """Round sharp creases of ``points`` (p, 3) [m], and of the weights with them.
 
         A point gives way to the mean of its neighbours, the more the sharper the crease.
         """
-        fixed = points - self.weights @ nodes
         for _ in range(ROUNDS):
             area = face_centres_and_areas(points[self.mesh.patch_faces])[1]
             area /= np.linalg.norm(area, axis=1)[:, None]
             flat = np.linalg.norm(self._around @ area, axis=1)  # 1, or less at a crease
             share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0) ** 2
-            share = np.where(self.mesh.rim, 0.0, share)[:, None]
-            if not share.any():
+            creased = np.flatnonzero(np.where(self.mesh.rim, 0.0, share))
+            if len(creased) == 0:
                 break
-            self.weights = (1.0 - share) * self.weights + share * (self._beyond @ self.weights)
-            fixed = (1.0 - share) * fixed + share * (self._beyond @ fixed)
-            points = self.weights @ nodes + fixed
-        return points
+            share, beyond = share[creased, None], self._beyond[creased]
+            for values in (self.weights, points):
+                values[creased] += share * (beyond @ values - values[creased])
 
     def _wall(self, middle: Array, rim: Array) -> Array:
         """Points (s, 3) [m] of the shell on arcs from the pool's middle to ``rim`` (r, 3)."""
