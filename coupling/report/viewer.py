@@ -33,7 +33,7 @@ _SEEN = (0.02, 0.98)  # quantiles that the colours span: a slam would leave all 
 def run_viewer(run: RunFiles) -> str:
     """A run's own view: hydrostatic pressure beside p*; without a flow the pressure alone."""
     parts = ("hydrostatic", "dynamic") if run.has_flow else ("pressure",)
-    return _packed([run], run, [(run.model, part) for part in parts])
+    return _packed([run], run, [(run.label, part) for part in parts])
 
 
 def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]:
@@ -45,14 +45,14 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
     seen = [run for run in runs if len(run.results.time)]
     if not seen:
         return []
-    best = next((run for run in seen if run.model == study["reference"]), seen[0])
+    best = next((run for run in seen if run.label == study["reference"]), seen[0])
     others = sorted((run for run in seen if run is not best), key=_worth_comparing)
-    shown = [(run.model, "pressure") for run in (*others[:1], best)]
+    shown = [(run.label, "pressure") for run in (*others[:1], best)]
     pictures, scale = views(best)
     return [
         Section(
             title="Pressure on the diaphragm",
-            text=f"Pictures: {best.model}, at instants of the last period, or of the second half "
+            text=f"Pictures: {best.label}, at instants of the last period, or of the second half "
             "of a short run. Below, two models side by side.",
             pictures=pictures,
             columns=4,
@@ -63,7 +63,7 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
 
 
 def _worth_comparing(run: RunFiles) -> int:
-    return {"hydrostatic": 0, "potential": 1}.get(run.model, 2)
+    return {"hydrostatic": 0, "potential": 1}.get(run.label, 2)
 
 
 def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str, str]]) -> str:
@@ -106,7 +106,7 @@ def _run(run: RunFiles, rows: list[int]) -> dict[str, Any]:
     quantities = {"pressure": pressure, "hydrostatic": pressure - dynamic, "dynamic": dynamic}
     small = len(results.reference) <= np.iinfo(np.uint16).max
     return {
-        "model": run.model,
+        "model": run.label,
         "flow": run.has_flow,
         "triangles": _text(results.triangles.astype("<u2" if small else "<u4")),
         "wide": not small,
