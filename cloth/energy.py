@@ -15,52 +15,70 @@ from cloth.state import Memory
 
 @dataclass(frozen=True, kw_only=True)
 class SheetEnergy:
-    """Energies [J] of a sheet in its own frame, and powers [W] that its damping takes.
+    """Energies [J] of a sheet in its own frame.
 
     ``kinetic``; ``bending``, less the constant of the moulded curvature; ``stretch``, what the
     strain limit holds left out: an inextensible sheet stores no energy in tension.
-    ``bending_damping`` and ``drag``: means over the last step, of the forces at its end.
     """
 
     kinetic: float
     bending: float = 0.0
     stretch: float = 0.0
-    bending_damping: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SheetLosses:
+    """Powers [W] that a sheet's damping takes: of its ``bending``, and of the ``drag`` along it.
+
+    Means over the last step, of the forces at its end.
+    """
+
+    bending: float = 0.0
     drag: float = 0.0
 
 
-def sheet_energy(model: ClothModel, settings: Settings, memory: Memory) -> SheetEnergy:
-    """Of a sheet that stands and moves as ``memory`` says; at rest where it has no last step.
+def sheet_energy(model: ClothModel, memory: Memory) -> SheetEnergy:
+    """Of a sheet that stands and moves as ``memory`` says."""
+    x, v = memory.position, memory.velocity
+    return SheetEnergy(
+        kinetic=0.5 * float(model.mass @ np.einsum("id,id->i", v, v)),
+        bending=_bending(model, x),
+        stretch=stretch_energy(model, x),
+    )
+
+
+def sheet_losses(model: ClothModel, settings: Settings, memory: Memory) -> SheetLosses:
+    """In the step that led to ``memory``; none where there was no step.
 
     The damping's forces are those of an implicit step, at its end, and their work is that on the
     step's own displacement. The speed at the end times the length of the step would count
     grid-scale trembling twice.
     """
     x, v, dt = memory.position, memory.velocity, float(memory.previous_dt[0])
-    _, gradient = model.volume_and_gradient(x)
-    size = np.linalg.norm(gradient, axis=1)
-    normal = gradient / np.where(size > 0.0, size, 1.0)[:, None]
-    bending_damping = drag = 0.0
-    if dt > 0.0:
-        mean, b = (x - memory.previous_position) / dt, 2.0 / 3.0 * dt
-        rate = (model.bending_force(x) - model.bending_force(x - b * v)) / b
-        sliding = v - np.einsum("id,id->i", v, normal)[:, None] * normal
-        bending_damping = -settings.bending_damping * float(np.vdot(mean, rate))
-        drag = settings.drag * float(model.mass @ np.einsum("id,id->i", mean, sliding))
-    return SheetEnergy(
-        kinetic=0.5 * float(model.mass @ np.einsum("id,id->i", v, v)),
-        bending=_bending(model, x, normal),
-        stretch=stretch_energy(model, x),
-        bending_damping=bending_damping,
-        drag=drag,
+    if not dt > 0.0:
+        return SheetLosses()
+    mean, b = (x - memory.previous_position) / dt, 2.0 / 3.0 * dt
+    rate = (model.bending_force(x) - model.bending_force(x - b * v)) / b
+    normal = _normals(model, x)
+    sliding = v - np.einsum("id,id->i", v, normal)[:, None] * normal
+    return SheetLosses(
+        bending=-settings.bending_damping * float(np.vdot(mean, rate)),
+        drag=settings.drag * float(model.mass @ np.einsum("id,id->i", mean, sliding)),
     )
 
 
-def _bending(model: ClothModel, position: Array, normal: Array) -> float:
+def _normals(model: ClothModel, position: Array) -> Array:
+    """Unit vectors (n, 3) along the volume's gradient, 0 where nodes are fixed."""
+    _, gradient = model.volume_and_gradient(position)
+    size = np.sqrt(np.einsum("id,id->i", gradient, gradient))
+    return np.asarray(gradient / np.where(size > 0.0, size, 1.0)[:, None])
+
+
+def _bending(model: ClothModel, position: Array) -> float:
     """1/2 sum_i w_i |(K x)_i - c_i n_i|^2 [J] of ``cloth.bending`` without the constant c_i^2."""
     bent, size = model.bending, len(position)
     rows = sp.csr_matrix((bent.values, bent.columns, bent.starts), shape=(size, size))
-    curvature = np.einsum("id,id->i", np.asarray(rows @ position), normal)
+    curvature = np.einsum("id,id->i", np.asarray(rows @ position), _normals(model, position))
     quadratic = 0.5 * float(np.vdot(position, bent.matrix @ position))
     return quadratic - float(bent.moment @ curvature)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cloth.arrays import Array
 from cloth.contact import pressed, slid
-from cloth.energy import SheetEnergy, sheet_energy
+from cloth.energy import SheetEnergy, SheetLosses, sheet_energy, sheet_losses
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
@@ -236,8 +236,12 @@ class Cloth:
         )
 
     def energy(self) -> SheetEnergy:
-        """Of the committed state; at rest before the first step. The damping is that of ``dry``."""
-        return sheet_energy(self.model, self.dry, self._memory)
+        """Of the committed state."""
+        return sheet_energy(self.model, self._memory)
+
+    def losses(self) -> SheetLosses:
+        """In the step that led to the committed state, by the damping of ``dry``."""
+        return sheet_losses(self.model, self.dry, self._memory)
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs to go on bit for bit."""

@@ -16,7 +16,7 @@ from coupling import checkpoint
 from coupling.atomic import write_json
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
-from coupling.energy import EnergyBalance, Instant, instant_of
+from coupling.energy import EnergyBalance, Instant, instant_of, stored_in
 from coupling.iteration_log import IterationLog
 from coupling.liquid import flow_of, load_model, potential_of, start_flow
 from coupling.metrics.summary import summarise
@@ -101,7 +101,7 @@ class _Run:
             clock = perf_counter()
             start_flow(self.flow, self.mapping, self.scene, self.cloth)
             self.tally.seconds("fluid", clock)
-        self.energy.start(self._instant(0.0, None))
+        self.energy.start(self._instant(0.0, None), stored_in(self.cloth, None))
         self._write(self._sample(0.0, None, 0, 0.0))
         self._save(0)
         self._loop(0)
@@ -210,7 +210,7 @@ class _Run:
     def _sample(
         self, time: float, liquid: LiquidSample | None, iterations: int, residual: float
     ) -> Sample:
-        state, metrics = self.cloth.state, self.energy.metrics()
+        state, metrics = self.cloth.state, self.energy.metrics(stored_in(self.cloth, liquid))
         pressures = still(len(state.position))
         if isinstance(self.step, PotentialStep):
             metrics |= liquid_metrics(liquid) | {"energy_removed": self.step.energy_removed}

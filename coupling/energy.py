@@ -29,26 +29,34 @@ from coupling.structure import Diaphragm, liquid_cg
 
 @dataclass(frozen=True, kw_only=True)
 class Instant:
-    """What the balance needs to know of an instant.
+    """What the sums need to know of an instant.
 
     ``acceleration`` (3,) [m/s^2] of the tank; ``moment`` (2, 3) [kg m], mass times place of liquid
-    and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; energies [J] ``liquid_kinetic``,
-    ``sheet_kinetic``, ``bending``, ``stretch``; powers [W] that are taken from the sheet by
-    ``bending_damping`` and ``drag``, means over the step that ends here, and ``layer``, what
-    laminar boundary layers would take.
+    and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; powers [W] that are taken from the
+    sheet by ``bending_damping`` and ``drag``, means over the step that ends here, and ``layer``,
+    what laminar boundary layers would take.
     """
 
     acceleration: Array
     moment: Array
     volume: float
     datum: float
-    liquid_kinetic: float
-    sheet_kinetic: float
-    bending: float
-    stretch: float
-    bending_damping: float
-    drag: float
-    layer: float
+    bending_damping: float = 0.0
+    drag: float = 0.0
+    layer: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stored:
+    """Energies [J] of an instant: of the ``flow``, and of the sheet."""
+
+    flow: float
+    sheet: SheetEnergy
+
+    @property
+    def inner(self) -> float:
+        """All of them."""
+        return self.flow + self.sheet.kinetic + self.sheet.bending + self.sheet.stretch
 
 
 _SUMS = ("tank_work", "datum_work", "pressure_work", "bending_damping", "drag", "layer")
@@ -61,9 +69,10 @@ class EnergyBalance:
         self.gravity = gravity
         self._sums = dict.fromkeys(_SUMS, 0.0)
 
-    def start(self, instant: Instant) -> None:
+    def start(self, instant: Instant, stored: Stored) -> None:
         """Count from here."""
-        self._first = self._now = instant
+        self._now = instant
+        self._first_moment, self._first_stored = instant.moment, stored
 
     def add(self, dt: float, instant: Instant, pressure_work: float) -> None:
         """A step of ``dt`` [s] up to ``instant``, with ``pressure_work`` [J] of p* on the sheet."""
@@ -77,36 +86,30 @@ class EnergyBalance:
         for name in ("bending_damping", "drag"):  # means over the step already
             sums[name] += dt * getattr(instant, name)
 
-    def metrics(self) -> dict[str, float]:
-        """Energies [J] by name: what is stored, above the start, and what went in and out since.
+    def metrics(self, stored: Stored) -> dict[str, float]:
+        """Energies [J] by name: what is ``stored`` now, above the start; what came and went since.
 
-        ``mechanical_energy`` is all that is stored, ``kinetic_energy`` of the liquid apart, which
-        the flow tells. ``dissipated`` closes the balance; ``dissipated_by_liquid`` is the flow's
-        share, ``dissipated_by_bending`` and ``dissipated_by_drag`` what the sheet's damping takes.
-        What is left of ``dissipated`` is lost where the sheet snaps taut, meets the shell or itself
-        and comes to rest against it, and in the time stepping. ``layer_estimate`` is an estimate
-        beside the balance, see ``layer_factor``.
+        ``mechanical_energy`` is all that is stored. ``dissipated`` closes the balance;
+        ``dissipated_by_liquid`` is the flow's share, ``dissipated_by_bending`` and
+        ``dissipated_by_drag`` what the sheet's damping takes. What is left of it is lost where the
+        sheet snaps taut, meets the shell or itself and comes to rest against it, and in the time
+        stepping. ``layer_estimate`` is an estimate beside the balance, see ``layer_factor``.
         """
-        first, now, sums = self._first, self._now, self._sums
-        lifted = -(now.moment - first.moment) @ self.gravity
-        stored = {
+        first, sheet, sums = self._first_stored, stored.sheet, self._sums
+        lifted = -(self._now.moment - self._first_moment) @ self.gravity
+        mechanical = float(lifted.sum()) + stored.inner - first.inner
+        return {
             "liquid_potential_energy": float(lifted[0]),
             "sheet_potential_energy": float(lifted[1]),
-            "sheet_kinetic_energy": now.sheet_kinetic,
-            "bending_energy": now.bending - first.bending,
-            "stretch_energy": now.stretch - first.stretch,
-        }
-        mechanical = sum(stored.values()) + now.liquid_kinetic
-        mechanical -= first.sheet_kinetic + first.liquid_kinetic
-        work = sums["tank_work"] + sums["datum_work"]
-        flowed = first.liquid_kinetic - now.liquid_kinetic - sums["pressure_work"]
-        return stored | {
+            "sheet_kinetic_energy": sheet.kinetic,
+            "bending_energy": sheet.bending - first.sheet.bending,
+            "stretch_energy": sheet.stretch - first.sheet.stretch,
             "mechanical_energy": mechanical,
             "tank_work": sums["tank_work"],
             "datum_work": sums["datum_work"],
             "pressure_work": sums["pressure_work"],
-            "dissipated": work - mechanical,
-            "dissipated_by_liquid": flowed,
+            "dissipated": sums["tank_work"] + sums["datum_work"] - mechanical,
+            "dissipated_by_liquid": first.flow - stored.flow - sums["pressure_work"],
             "dissipated_by_bending": sums["bending_damping"],
             "dissipated_by_drag": sums["drag"],
             "layer_estimate": sums["layer"],
@@ -114,21 +117,23 @@ class EnergyBalance:
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""
-        saved = {"sums": np.array([self._sums[name] for name in _SUMS])}
-        for part, instant in (("first", self._first), ("now", self._now)):
-            saved |= {f"{part}.{f.name}": np.array(getattr(instant, f.name)) for f in _FIELDS}
-        return saved
+        first = self._first_stored
+        sheet = [getattr(first.sheet, f.name) for f in fields(SheetEnergy)]
+        return {
+            "sums": np.array([self._sums[name] for name in _SUMS]),
+            "first_moment": self._first_moment,
+            "first_stored": np.array([first.flow, *sheet]),
+        } | {f.name: np.array(getattr(self._now, f.name)) for f in fields(Instant)}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
         self._sums = dict(zip(_SUMS, saved["sums"].tolist(), strict=True))
-        self._first, self._now = (
-            Instant(**{f.name: _value(saved[f"{part}.{f.name}"]) for f in _FIELDS})
-            for part in ("first", "now")
-        )
-
-
-_FIELDS = fields(Instant)
+        flow, *sheet = saved["first_stored"].tolist()
+        names = [f.name for f in fields(SheetEnergy)]
+        energy = SheetEnergy(**dict(zip(names, sheet, strict=True)))
+        self._first_moment = saved["first_moment"]
+        self._first_stored = Stored(flow=flow, sheet=energy)
+        self._now = Instant(**{f.name: _value(saved[f.name]) for f in fields(Instant)})
 
 
 def _value(array: Array) -> Any:
@@ -143,21 +148,22 @@ def instant_of(
     scene: Scene,
 ) -> Instant:
     """The instant of a ``cloth`` in ``state`` under ``load``, with a ``liquid`` that flows."""
-    energy: SheetEnergy = cloth.energy()
+    losses = cloth.losses()
     cg = liquid_cg(state.position, cloth.triangles, scene.tank.radius, state.volume)
     return Instant(
         acceleration=np.array(scene.gravity) - load.body_force,
         moment=np.array([load.density * state.volume * cg, cloth.mass @ state.position]),
         volume=state.volume,
         datum=state.datum_pressure,
-        liquid_kinetic=0.0 if liquid is None else liquid.kinetic_energy,
-        sheet_kinetic=energy.kinetic,
-        bending=energy.bending,
-        stretch=energy.stretch,
-        bending_damping=energy.bending_damping,
-        drag=energy.drag,
+        bending_damping=losses.bending,
+        drag=losses.drag,
         layer=0.0 if liquid is None else layer_factor(scene) * liquid.wall_slip,
     )
+
+
+def stored_in(cloth: Diaphragm, liquid: LiquidSample | None) -> Stored:
+    """Energies of a ``cloth`` and of a ``liquid`` that flows."""
+    return Stored(flow=0.0 if liquid is None else liquid.kinetic_energy, sheet=cloth.energy())
 
 
 def layer_factor(scene: Scene) -> float:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cloth.energy import SheetEnergy
+from cloth.energy import SheetEnergy, SheetLosses
 from cloth.load import DRY, WET, WET_LONG_WAVES
 from cloth.mesh import hemisphere
 from cloth.settle import settle
@@ -43,6 +43,9 @@ class Diaphragm(Structure, Protocol):
 
     def energy(self) -> SheetEnergy:
         """Of the committed state."""
+
+    def losses(self) -> SheetLosses:
+        """In the step that led to it."""
 
 
 def diaphragm_of(scene: Scene) -> Diaphragm:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.energy import SheetEnergy
+from cloth.energy import SheetEnergy, SheetLosses
 from cloth.kernels import principal_strains, volume_and_gradient
 from cloth.load import Load
 from cloth.material import Diaphragm
@@ -192,6 +192,10 @@ class ThesisSheet:
         """
         speed = np.einsum("id,id->i", self._memory["velocity"], self._memory["velocity"])
         return SheetEnergy(kinetic=0.5 * float(self.mass @ speed))
+
+    def losses(self) -> SheetLosses:
+        """None that are told apart."""
+        return SheetLosses()
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs to go on bit for bit."""
