@@ -144,7 +144,8 @@ def study(
     prepare_folder(folder, force=force, study=STUDY_FILES)
     from coupling.study import run_study
 
-    with resumable(folder, f"edt study {scene_path} -o {folder}"), RunProgress() as progress:
+    again = f"edt study {scene_path} --models {models}{' --quick' * quick} -o {folder}"
+    with resumable(folder, again), RunProgress() as progress:
         outcome = run_study(scene, chosen, folder, quick=quick, progress=progress)
     if as_json:
         print_json(outcome)

@@ -52,6 +52,8 @@ def run_study(
     for entry in _planned(rows, record, quick=quick):
         place = folder / entry.place
         if not (warm or is_complete(entry.scene, place)):
+            if progress is not None:
+                progress("warm-up", 0.0, 1.0, "compiling, before anything is timed")
             warm_up(row.scene for row in rows)
             warm = True
         _log.info("study: %s, %s in %s", entry.row, entry.resolution, place)

@@ -112,22 +112,17 @@ def print_study(study: Mapping[str, Any], folder: Path) -> None:
     models: Mapping[str, Mapping[str, Any]] = study.get("models") or {}
     names = list(dict.fromkeys(name for row in models.values() for name in row.get("error") or {}))
     heads = [_ERRORS.get(name, name) for name in names]
-    bars = study.get("uncertainty") or {}
-    rows = [
-        (
-            model,
-            figure(row.get("wall_s")),
-            figure(row.get("speedup"), 3),
-            *_errors(row.get("error") or {}, names, {} if model == study["reference"] else bars),
-        )
-        for model, row in models.items()
-    ]
-    rows += [
-        (f"{model} against {row['model']}", "", "", *_errors(row["against_same_model"], names, {}))
-        for model, row in models.items()
-        if row.get("against_same_model")
-    ]
-    title = f"errors against {study.get('reference')}, ± its own, in {folder}"
+    rows: list[tuple[str, ...]] = []
+    for model, row in models.items():
+        cost = figure(row.get("wall_s")), figure(row.get("speedup"), 3)
+        rows.append((model, *cost, *_errors(row.get("error") or {}, names)))
+        if row.get("against_same_model"):
+            name = f".. against {row['model']}"
+            rows.append((name, "", "", *_errors(row["against_same_model"], names)))
+    if study.get("uncertainty"):
+        own = [f"± {figure(study['uncertainty'].get(name), 2)}" for name in names]
+        rows.append((f"{study.get('reference')}'s own", "", "", *own))
+    title = f"errors against {study.get('reference')}, in {folder}"
     print_table(title, ("model", "wall [s]", "speedup", *heads), rows)
     if study.get("points"):
         _print_points(study["points"], [name for name in names if not name.endswith("_deg")])
@@ -136,12 +131,8 @@ def print_study(study: Mapping[str, Any], folder: Path) -> None:
             print(sentence)
 
 
-def _errors(
-    errors: Mapping[str, Any], names: Sequence[str], bars: Mapping[str, Any]
-) -> Iterable[str]:
-    for name in names:
-        text, bar = figure(errors.get(name), 3), bars.get(name)
-        yield text if bar is None or text == "-" else f"{text} ± {figure(bar, 2)}"
+def _errors(errors: Mapping[str, Any], names: Sequence[str]) -> list[str]:
+    return [figure(errors.get(name), 3) for name in names]
 
 
 def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:

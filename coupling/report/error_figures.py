@@ -28,35 +28,39 @@ _MARKERS = {"as_run": "o", "coarser_grid": "s", "doubled_step": "^"}
 
 def errors_figure(errors: Mapping[str, Errors], bars: Errors) -> Picture:
     """Errors of each row by figure, in its colour, with the reference's own error as bars."""
-    figure = new_figure(height=2.9)
+    figure = new_figure(height=2.7)
     axes, degrees = figure.subplots(1, 2, width_ratios=(4, 1))
     _bars(axes, [name for name in COLUMNS if not name.endswith("_deg")], errors, bars, 100.0)
     _bars(degrees, ["cg_phase_deg"], errors, bars, 1.0)
     axes.set_ylabel("error (%)")
     degrees.set_ylabel("error (°)")
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=4, columnspacing=1.2)
-    text = "Errors against the reference; the bars are the reference’s own error, estimated."
+    figure.legend(handles, labels, loc="outside upper left", ncols=3, columnspacing=1.2)
+    text = (
+        "Errors against the reference. The thin bars are the reference’s own error, estimated; "
+        "those that leave the picture go on."
+    )
     return Picture(source=svg(figure), caption=text, alt=text)
 
 
 def _bars(
     axes: Any, names: Sequence[str], errors: Mapping[str, Errors], bars: Errors, scale: float
 ) -> None:
-    width = 0.8 / max(len(errors), 1)
+    width, highest = 0.8 / max(len(errors), 1), 0.0
     for index, (row, values) in enumerate(errors.items()):
         known = [(k, name) for k, name in enumerate(names) if values.get(name) is not None]
         places = np.array([k for k, _ in known]) + (index + 0.5) * width - 0.4
         heights = scale * np.array([float(values[name] or 0.0) for _, name in known])
         spread = scale * np.array([float(bars.get(name) or 0.0) for _, name in known])
         axes.bar(places, heights, 0.92 * width, color=MODEL_COLOURS.get(row, GREY), label=row)
-        below = np.minimum(spread, heights)
+        down = np.minimum(spread, heights)
         axes.errorbar(
-            places, heights, [below, spread], fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.6
+            places, heights, [down, spread], fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.6
         )
-    labels = [COLUMNS[name].partition(" (")[0].replace(" ", "\n") for name in names]
+        highest = max(highest, heights.max(initial=0.0))
+    labels = [COLUMNS[name].partition(" (")[0].replace(" amplitude", "\nampl.") for name in names]
     axes.set_xticks(range(len(names)), labels)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.3 * highest if highest > 0.0 else 1.0)
     axes.grid(visible=False, axis="x")
 
 

@@ -26,11 +26,10 @@ def errors_table(study: Mapping[str, Any]) -> Table:
         elif row.get("failure"):
             cells = ["failed"] + [""] * (len(COLUMNS) - 1)
         rows.append([name, number(row.get("wall_s"), "s"), times(row.get("speedup")), *cells])
-    for name, row in study["models"].items():
-        if row.get("against_same_model"):
-            errors = row["against_same_model"]
-            cells = [_cell(key, errors.get(key), None, False) for key in COLUMNS]
-            rows.append([f"{name} against {row['model']}", "", "", *cells])
+        same = row.get("against_same_model")
+        if same:
+            cells = [_cell(key, same.get(key), None, False) for key in COLUMNS]
+            rows.append([f"… against {row['model']}", "", "", *cells])
     for key, errors in study["discretisation"].items():
         cells = [_cell(name, errors.get(name), None, False) for name in COLUMNS]
         rows.append([f"{reference}, {_own(key, reference)}", "", "", *cells])
@@ -72,8 +71,10 @@ def front_table(study: Mapping[str, Any]) -> Table:
         if point.get("failure"):
             rows.append([name, number(point["wall_s"], "s"), "failed", *[""] * (len(names) - 1)])
             continue
+        best = (point["model"], point["resolution"]) == (study["reference"], "as_run")
         cells = [
-            percent(point["error"].get(key)) + (" ●" if key in point["on_front"] else "")
+            ("reference" if best else percent(point["error"].get(key)))
+            + (" ●" if key in point["on_front"] else "")
             for key in names
         ]
         rows.append([name, number(point["wall_s"], "s"), *cells])

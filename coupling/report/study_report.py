@@ -74,7 +74,7 @@ def _errors(study: Mapping[str, Any]) -> Section:
         if name != reference and row.get("error")
     }
     pictures = [errors_figure(errors, bars)] if errors else []
-    return Section(title="Errors", tables=[errors_table(study)], pictures=pictures)
+    return Section(title="Errors", tables=[errors_table(study)], pictures=pictures, columns=1)
 
 
 def _speed(study: Mapping[str, Any]) -> list[Section]:
