@@ -37,7 +37,7 @@ def run_viewer(run: RunFiles) -> str:
 
 
 def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Section]:
-    """Section with two of the ``runs`` side by side, at first the hydrostatic and the reference.
+    """Section with two of the ``runs`` side by side, at first hydrostatic and reference.
 
     ``runs`` are complete ones of one scene. Its pictures, which also print, are the reference's.
     Without a reference the first of the ``runs`` stands for it.
@@ -52,8 +52,8 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
     return [
         Section(
             title="Pressure on the diaphragm",
-            text=f"Pictures: {best.label}, at instants of the last period, or of the second half "
-            "of a short run. Below, two models side by side.",
+            text=f"Pictures of {best.label}, at instants of the last period, or of the second half "
+            "of a short run.",
             pictures=pictures,
             columns=4,
             scale=scale,

@@ -20,7 +20,8 @@ from typer.testing import CliRunner
 
 from coupling.cli import app
 from coupling.scene import load_scene
-from coupling.study import complete_run, read_summary
+from coupling.study import run_or_reuse
+from coupling.study_record import read_summary
 from coupling.sweep import run_sweep
 from coupling.sweep_plan import Plan, parse_axis, plan_sweep
 from coupling.sweep_workers import local_workers, outcome_of
@@ -115,10 +116,10 @@ def test_a_run_in_a_worker_is_that_of_the_command(path: Path, tmp_path: Path) ->
     """Bit for bit but for the wall times; also where another scene stood in its folder."""
     folder, over = tmp_path / "sweep", "motion.frequency=1,2"
     place = folder / "points" / "motion.frequency_2" / "hydrostatic"
-    complete_run(load_scene(path, ["model.fluid=hydrostatic", "tank.radius=0.3"]), place)
+    run_or_reuse(load_scene(path, ["model.fluid=hydrostatic", "tank.radius=0.3"]), place, None)
     run_sweep(plan(path, over), folder, workers=1)
     (tmp_path / "alone").mkdir()
-    alone = complete_run(load_scene(path, ["model.fluid=hydrostatic"]), tmp_path / "alone")
+    alone = run_or_reuse(load_scene(path, ["model.fluid=hydrostatic"]), tmp_path / "alone", None)
     known = read_summary(place)
     for name in ("cg", "force", "strain_tensile_max", "steps"):
         assert known[name] == alone[name]
