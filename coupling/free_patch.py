@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
+from cloth.compiled import compiled
 from coupling.contact_curve import ContactSearch
 from coupling.foam.geometry import face_centres_and_areas, fan_volume
 from coupling.foam.mesh import LiquidMesh
@@ -52,7 +53,7 @@ class FreePatch:
         self._around = _means(faces.ravel(), np.repeat(np.arange(len(faces)), 4), count)
         edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
         edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
-        self._beyond = _means(edges[:, 0], edges[:, 1], count)
+        self._others = np.searchsorted(edges[:, 0], np.arange(count + 1)), edges[:, 1]
         self.size = 1.0  # of the polyhedron that stands for the shell, over R
 
     def fit(self, state: StructureState, volume: float) -> None:
@@ -106,9 +107,8 @@ class FreePatch:
             creased = np.flatnonzero(np.where(self.mesh.rim, 0.0, share))
             if len(creased) == 0:
                 break
-            share, beyond = share[creased, None], self._beyond[creased]
             for values in (self.weights, points):
-                values[creased] += share * (beyond @ values - values[creased])
+                give_way(values, creased, share, *self._others)
 
     def _wall(self, middle: Array, rim: Array) -> Array:
         """Points (s, 3) [m] of the shell on arcs from the pool's middle to ``rim`` (r, 3)."""
@@ -173,6 +173,24 @@ class FreePatch:
             centre /= np.linalg.norm(centre, axis=1)[:, None]
             self._values = moving_least_squares(centre, self.free.within(self._moulded, INSET))
         return self._values @ values
+
+
+@compiled
+def give_way(values: Array, at: Ints, share: Array, starts: Ints, others: Ints) -> None:
+    """Move ``values`` (p, k) ``at`` points by ``share`` (p,) towards the mean over their others.
+
+    Those of point i stand in ``others`` from ``starts[i]`` to ``starts[i + 1]``.
+    """
+    moved = np.zeros((len(at), values.shape[1]))
+    for a in range(len(at)):
+        i = at[a]
+        part = share[i] / (starts[i + 1] - starts[i])
+        for q in range(starts[i], starts[i + 1]):
+            for k in range(values.shape[1]):
+                moved[a, k] += part * values[others[q], k]
+    for a in range(len(at)):
+        for k in range(values.shape[1]):
+            values[at[a], k] = moved[a, k] + (1.0 - share[at[a]]) * values[at[a], k]
 
 
 def _means(points: Ints, others: Ints, count: int) -> csr_array:

@@ -9,7 +9,7 @@ from cloth.mesh import hemisphere
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import face_centres_and_areas
 from coupling.foam.mesh import half_ball
-from coupling.free_patch import BESIDE, ROUNDS, FreePatch
+from coupling.free_patch import BESIDE, ROUNDS, FreePatch, give_way
 from coupling.interface import cross, pressure_force
 from coupling.numbers import level_of_fill_fraction
 
@@ -175,3 +175,13 @@ def test_a_crease_is_rounded(sheet, mesh, monkeypatch):
         skewed.append(following.non_orthogonality_max)
     assert skewed[1] < skewed[0] - 5.0
     assert skewed[1] < 25.0
+
+
+def test_points_give_way_to_their_neighbours_all_at_once():
+    """Against the formula, on a ring: no point sees where another has just moved."""
+    count, share = 7, np.linspace(0.0, 0.9, 7)
+    others = np.array([[(i - 1) % count, (i + 1) % count] for i in range(count)])
+    values = np.random.default_rng(3).normal(size=(count, 2))
+    expected = (1 - share[:, None]) * values + share[:, None] * values[others].mean(axis=1)
+    give_way(values, np.arange(1, count), share, 2 * np.arange(count + 1), others.ravel())
+    np.testing.assert_allclose(values, expected, atol=1e-15)
