@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 
-import numpy as np
-
 from coupling.convergence import Convergence
 from coupling.defects import Defects
 from coupling.interface import pressure_force
@@ -67,7 +65,6 @@ class CoupledStep:
         self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
         self._defects = Defects()
         self._inertia: AddedMass | None = None  # of this step
-        self._beside = np.zeros(len(flow.faces))  # pressure on them of the last step [Pa]
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
@@ -97,7 +94,6 @@ class CoupledStep:
                 x = self.flow.close_volume(update)
         if self._inertia is not None:
             self._defects.add(pressure + self._inertia.pressure(acceleration))
-        self._beside = pressure
         self.scheme.accept_step()
         self.structure.accept_step()
         return StepOutcome(
@@ -118,7 +114,6 @@ class CoupledStep:
             if shell is not None:  # the map has moved
                 self._start = self.flow.close_volume(self.mapping.to_flow(state.position))
                 self.flow.slide(self._start)
-            self._held = self.mapping.beside(self._beside)
             ahead = self.mapping.to_flow(state.position + dt * state.velocity)
             ahead = self.flow.close_volume(ahead)
         if not self.added_mass:
@@ -140,7 +135,7 @@ class CoupledStep:
     def _structure_answer(self, force: Array) -> Array:
         """The interface (p, 3) that ``force`` (p, 3) [N] on it leads to, its volume closed."""
         with self._timed("structure"):
-            nodes = self.structure.solve(self.mapping.to_cloth(force) + self._held)
+            nodes = self.structure.solve(self.mapping.to_cloth(force))
         with self._timed("mapping"):
             return self.flow.close_volume(self.mapping.to_flow(nodes))
 
@@ -153,13 +148,11 @@ class CoupledStep:
     def save(self) -> dict[str, Array]:
         """The predictor's history."""
         saved = self._defects.save()
-        saved["beside"] = self._beside
         return saved | self.mapping.save()
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
         self._defects.restore(saved)
-        self._beside = saved["beside"]
         self.mapping.restore(saved)
 
 

@@ -6,6 +6,11 @@ that it slides through the sheet as the curve moves; a step's map holds it where
 the sheet is creased more sharply than the patch can follow, the patch cuts the crease off. The rim
 is the contact curve brought onto the shell. The shell's points lie on arcs from the pool's middle
 to the rim. Only swept volumes matter to the flow: where points slide along, nothing is swept.
+
+Interpolation alone would lose volume where the patch is coarser than the sheet's waves, and all of
+it in the strip between a fixed rim and the points next to it. Within a step every node therefore
+displaces exactly the volume that its own triangles sweep: what interpolation misses lifts the patch
+beside it, and at the rim climbs the shell. In return a node bears the pressure on its own area.
 """
 
 from __future__ import annotations
@@ -27,9 +32,9 @@ from coupling.ports import Array, Ints, Structure, StructureState
 from coupling.structure import liquid_cg
 
 WEDGE = math.tan(math.radians(15.0))  # least slope of the liquid's edge
+STEEP = 0.25  # sine of the least angle at which the rim opens the liquid, about the wedge's
 FILM = 0.02  # over R: the wedge's greatest depth
 LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
-BESIDE = 0.85  # of the contact curve, from where on the patch's share of the sheet is not all
 ROUNDS = 20  # of smoothing, at most
 FLAT, CREASED = 0.99, 0.9  # mean normal round a point: where rounding sets in, where it is full
 INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
@@ -54,6 +59,7 @@ class FreePatch:
         edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
         edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
         self._others = np.searchsorted(edges[:, 0], np.arange(count + 1)), edges[:, 1]
+        self._below = _below(mesh)[self._rim]
         self.size = 1.0  # of the polyhedron that stands for the shell, over R
 
     def fit(self, state: StructureState, volume: float) -> None:
@@ -90,9 +96,10 @@ class FreePatch:
         most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
         points[~self.mesh.rim] *= np.minimum(1.0, most)[~self.mesh.rim, None]
         self._offset = points - self.weights @ nodes
-        self._beside = self._besides(nodes, points)
         centre = liquid_cg(nodes, self._triangles, self.radius, state.volume) / self.radius
-        return self._wall(centre - [0.0, 0.0, LOW], rim)
+        shell = self._wall(centre - [0.0, 0.0, LOW], rim)
+        self._let_lift(nodes, points, shell)
+        return shell
 
     def _round(self, points: Array) -> None:
         """Round sharp creases of ``points`` (p, 3) [m], and of the weights with them.
@@ -124,16 +131,23 @@ class FreePatch:
 
     def to_flow(self, nodes: Array) -> Array:
         """Flow points (p, 3) of cloth nodes (n, 3), in the step's map."""
-        return self.weights @ nodes + self._offset
+        missed = np.einsum("nx,nx->n", self._missed, nodes - self._ahead)
+        lift = (self._shares.T @ missed) / self._opened
+        points: Array = self.weights @ nodes + self._offset + lift[:, None] * self._way
+        return points
 
     def to_cloth(self, force: Array) -> Array:
-        """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]; the shell bears the rim."""
-        return self.weights.T @ force
+        """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
+        nodal: Array = self.rows_to_cloth(force[None])[0]
+        return nodal
 
     def rows_to_cloth(self, rows: Array) -> Array:
         """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
         flat = rows.transpose(1, 0, 2).reshape(len(self.weights), -1)  # one large product
-        return np.asarray((self.weights.T @ flat).reshape(-1, len(rows), 3).transpose(1, 0, 2))
+        through = (self.weights.T @ flat).reshape(-1, len(rows), 3).transpose(1, 0, 2)
+        pressure = np.einsum("rpx,px->rp", rows, self._way) / self._opened
+        own = (pressure @ self._shares.T)[:, :, None] * self._missed
+        return np.ascontiguousarray(through + own)
 
     def save(self) -> dict[str, Array]:
         """What of the map a former step has left."""
@@ -143,25 +157,26 @@ class FreePatch:
         """The reverse of ``save``; other entries are let be."""
         self._search.smooth.restore(saved["contact"])
 
-    def _besides(self, nodes: Array, points: Array) -> Array:
-        """Area vectors (n, 3) [m^2] of the sheet at the contact curve and beyond, less the patch's.
+    def _let_lift(self, nodes: Array, points: Array, shell: Array) -> None:
+        """Let the patch rise by the volume that interpolation misses of the sheet's.
 
-        ``nodes`` (n, 3) and ``points`` (p, 3) [m] are where both will be.
+        ``nodes`` (n, 3), ``points`` (p, 3) and ``shell`` (s, 3) [m] are where all will be. A point
+        inside rises along its normal, one on the rim along the edge that comes up to it, so that
+        the shell's facets sweep nothing. A node's volume goes to the points from whose values its
+        own would be interpolated, so that the volumes' first moments are kept as well.
         """
-        own, patch = np.zeros_like(nodes), np.zeros_like(points)
+        area, own = np.zeros_like(points), np.zeros_like(nodes)
+        np.add.at(area, self.mesh.patch_faces, swept_gradient(points[self.mesh.patch_faces]))
         a, b, c = (nodes[self._triangles[:, k]] for k in range(3))
         np.add.at(own, self._triangles, (cross(b - a, c - a) / 6.0)[:, None])
-        np.add.at(patch, self.mesh.patch_faces, swept_gradient(points[self.mesh.patch_faces]))
-        inside = np.all(self.free.within(self._moulded, BESIDE) == self._moulded, axis=1)
-        return np.asarray(np.where(inside[:, None], 0.0, own - self.weights.T @ patch))
-
-    def beside(self, pressure: Array) -> Array:
-        """Forces (n, 3) [N] of face pressures (F,) [Pa] on the sheet beside the free part.
-
-        There is liquid behind it, or none; were there none and the sheet to come off the shell,
-        liquid of the pressure at the contact curve would follow.
-        """
-        return self._beside * self.to_nodes(pressure)[:, None]
+        way = area.copy()
+        way[self._rim] = points[self._rim] - shell[self._below]
+        self._way = way / np.linalg.norm(way, axis=1)[:, None]
+        flattest = STEEP * np.linalg.norm(area, axis=1)
+        self._opened = np.maximum(np.einsum("px,px->p", area, self._way), flattest)
+        self._missed = own - self.weights.T @ area
+        self._shares = moving_least_squares(self.moulded, self.free.within(self._moulded, 1.0))
+        self._ahead = nodes
 
     def to_nodes(self, values: Array) -> Array:
         """Values (n,) at the nodes of ``values`` (F,) on the patch's faces, in the step's map.
@@ -197,3 +212,16 @@ def _means(points: Ints, others: Ints, count: int) -> csr_array:
     """Matrix (count, k) that gives every one of ``points`` the mean over its ``others``."""
     share = 1.0 / np.bincount(points, minlength=count)[points]
     return csr_array((share, (points, others)))
+
+
+def _below(mesh: LiquidMesh) -> Ints:
+    """For every one of ``mesh.patch_points`` on the rim the shell's point, in the numbering of
+    ``mesh.shell_points``, that an edge joins to it; -1 for the others."""
+    ends = np.concatenate([mesh.edges, mesh.edges[:, ::-1]])
+    rim = mesh.patch_points[mesh.rim]
+    ends = ends[np.isin(ends[:, 0], rim) & np.isin(ends[:, 1], mesh.shell_points)]
+    below = np.full(len(mesh.patch_points), -1)
+    below[np.searchsorted(mesh.patch_points, ends[:, 0])] = np.searchsorted(
+        mesh.shell_points, ends[:, 1]
+    )
+    return below

@@ -36,9 +36,6 @@ class InterfaceMap(Protocol):
     def rows_to_cloth(self, rows: Array) -> Array:
         """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
 
-    def beside(self, pressure: Array) -> Array:
-        """Forces (n, 3) [N] of face pressures (F,) [Pa] on what of the sheet the patch is not."""
-
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""
 
@@ -63,10 +60,6 @@ class Matching:
     def rows_to_cloth(self, rows: Array) -> Array:
         """The rows themselves (r, p, 3)."""
         return rows
-
-    def beside(self, pressure: Array) -> Array:
-        """Nothing: the patch is all of the sheet."""
-        return np.zeros(3)
 
     def save(self) -> dict[str, Array]:
         """No memory."""

@@ -3,8 +3,8 @@
     python tests/benchmarks/sweep.py [--periods 2] [--rings 6]
 
 The points are foam_cases/sway_map at ten frequencies and six fills, on ``hydrostatic`` and
-``potential``, with fewer rings and periods: 120 runs of about half a second each, so that the start
-of the workers weighs more than it does in earnest. Wall times are those of ``run_sweep``, that start
+``potential``, with fewer rings and periods: 120 runs of about half a second each, so that the start of
+the workers weighs more than it does in earnest. Wall times are those of ``run_sweep``, that start
 and the report included; the load is the machine's over the last minute, other processes included.
 """
 
@@ -32,7 +32,7 @@ OVER = ("motion.frequency=0.2:2:10:log", "liquid.fill_fraction=0.6:0.9:6")
 
 
 def timed(name: str, plan: Plan, folder: Path, workers: int, *, kill_after: int = 0) -> float:
-    """Sweep into ``folder`` and print a line; kills a worker once ``kill_after`` runs have ended."""
+    """Sweep into ``folder``, print a line; a worker is killed once ``kill_after`` runs ended."""
     before = {file: file.stat().st_mtime_ns for file in folder.glob("points/*/*/results.h5")}
     waiting = [kill_after] if kill_after else []
 

@@ -9,8 +9,8 @@ from cloth.mesh import hemisphere
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import face_centres_and_areas
 from coupling.foam.mesh import half_ball
-from coupling.free_patch import BESIDE, ROUNDS, FreePatch, give_way
-from coupling.interface import cross, pressure_force
+from coupling.free_patch import ROUNDS, FreePatch, give_way
+from coupling.interface import cross, pressure_force, swept_gradient
 from coupling.numbers import level_of_fill_fraction
 
 RADIUS = 0.4445
@@ -96,18 +96,37 @@ def test_work_is_conserved(mesh, fitted):
     assert np.sum(mapping.to_cloth(force) * move) == pytest.approx(np.sum(force * moved))
 
 
-def test_a_uniform_pressure_is_the_sheets_own_beyond_the_patch(sheet, mesh, fitted):
-    """Where the patch does not reach, a node bears the pressure on its own area."""
+def own_area(sheet, position):
+    """A third of the area vectors of every node's triangles (n, 3)."""
+    a, b, c = (position[sheet.triangles[:, k]] for k in range(3))
+    own = np.zeros_like(position)
+    np.add.at(own, sheet.triangles, (cross(b - a, c - a) / 6.0)[:, None])
+    return own
+
+
+def test_a_uniform_pressure_bears_on_every_nodes_own_area(sheet, mesh, fitted):
     mapping, state, patch, _ = fitted
     even = np.ones(mesh.diaphragm_faces)
-    force = mapping.to_cloth(pressure_force(patch, mesh.patch_faces, even)) + mapping.beside(even)
-    a, b, c = (state.position[sheet.triangles[:, k]] for k in range(3))
-    own = np.zeros_like(state.position)
-    np.add.at(own, sheet.triangles, (cross(b - a, c - a) / 6.0)[:, None])
-    unit = sheet.reference / RADIUS
-    beyond = (mapping.free.within(unit, BESIDE) != unit).any(axis=1)
-    assert beyond.sum() > 20
-    assert force[beyond] == pytest.approx(own[beyond], abs=1e-12)
+    force = mapping.to_cloth(pressure_force(patch, mesh.patch_faces, even))
+    assert force == pytest.approx(own_area(sheet, state.position), abs=1e-12)
+
+
+def test_a_wave_reaches_the_liquid_with_its_volume(sheet, mesh):
+    """The lateral wave of a half full tank is highest at the shell, in the last row of faces."""
+    state = at_rest(sheet, 0.5)
+    mapping = FreePatch(mesh, sheet, radius=RADIUS)
+    mapping.fit(state, state.volume)
+    mapping.begin_step(state, 0.0)
+    patch = mapping.to_flow(state.position)
+    wave = np.zeros_like(state.position)
+    wave[:, 2] = state.position[:, 0] ** 3 * ~sheet.fixed
+    faces = patch[mesh.patch_faces]
+    moved = (mapping.to_flow(state.position + wave) - patch)[mesh.patch_faces]
+    swept = np.einsum("fkx,fkx->f", swept_gradient(faces), moved)
+    own = np.einsum("nx,nx->n", own_area(sheet, state.position), wave)
+    # What the nodes' volumes have of moments the shares keep, in the moulded shape, to its bend
+    # over a face; interpolation with a fixed rim misses a quarter here.
+    assert swept @ faces.mean(axis=1)[:, 0] == pytest.approx(own @ state.position[:, 0], rel=0.06)
 
 
 def test_constants_reach_every_node(mesh, fitted):
