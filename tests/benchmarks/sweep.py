@@ -3,8 +3,8 @@
     python tests/benchmarks/sweep.py [--periods 2] [--rings 6]
 
 The points are foam_cases/sway_map at ten frequencies and six fills, on ``hydrostatic`` and
-``potential``, with fewer rings and periods: 120 runs of about half a second each, so that the start of
-the workers weighs more than it does in earnest. Wall times are those of ``run_sweep``, that start
+``potential``, with fewer rings and periods: 120 runs of about half a second each, so that starting
+the workers weighs more than in earnest. Wall times are those of ``run_sweep``, that start
 and the report included; the load is the machine's over the last minute, other processes included.
 """
 
