@@ -117,6 +117,7 @@ class _Run:
         self.clock -= self.tally.statistics.wall_s
 
         def begin() -> None:
+            self.energy.restore(parts.get("energy", {}))
             self.cloth.restore(parts["settled"])
             self.cloth.held = self.scene.diaphragm.held
             self._couple()
@@ -126,7 +127,6 @@ class _Run:
                 self.step.scheme.restore(parts.get("scheme", {}))
             if not isinstance(self.step, DryStep):
                 self.step.restore(parts.get("coupled", {}))
-            self.energy.restore(parts["energy"])
             self._loop(step)
 
         return self._guarded(begin)

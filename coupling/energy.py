@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from cloth.energy import SheetEnergy
-from coupling.ports import Array, DiaphragmState, HydrostaticLoad, LiquidSample
+from coupling.ports import Array, DiaphragmState, HydrostaticLoad, LiquidSample, RunFailed
 from coupling.scene import Scene
 from coupling.structure import Diaphragm, liquid_cg
 
@@ -126,7 +126,12 @@ class EnergyBalance:
         } | {f.name: np.array(getattr(self._now, f.name)) for f in fields(Instant)}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``."""
+        """The reverse of ``save``. Raises ``RunFailed`` for what an older version has saved."""
+        if "sums" not in saved:
+            raise RunFailed(
+                "checkpoint.h5 holds no energy balance: an older version wrote it. Run the scene "
+                "again with this one."
+            )
         self._sums = dict(zip(_SUMS, saved["sums"].tolist(), strict=True))
         flow, *sheet = saved["first_stored"].tolist()
         names = [f.name for f in fields(SheetEnergy)]

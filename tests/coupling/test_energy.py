@@ -11,7 +11,7 @@ from cloth.energy import SheetEnergy
 from cloth.flat import strip
 from coupling.driver import run
 from coupling.energy import EnergyBalance, Instant, Stored, layer_factor
-from coupling.ports import HydrostaticLoad
+from coupling.ports import HydrostaticLoad, RunFailed
 from coupling.results import read_results
 from coupling.scene import scene_from
 from coupling.verify.hanging import GRAVITY, chain_root, film_settings
@@ -101,6 +101,11 @@ def test_restored_balance_goes_on_bit_for_bit():
     for each in (one, other):
         each.add(0.01, instant, -0.1)
     assert one.metrics(stored) == other.metrics(stored)
+
+
+def test_checkpoint_of_an_older_version_is_refused_with_the_mend():
+    with pytest.raises(RunFailed, match="Run the scene again"):
+        EnergyBalance(DOWN).restore({})
 
 
 def chain_balance(step: float, *, shaken: bool) -> dict[str, float]:
