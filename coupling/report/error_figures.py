@@ -53,10 +53,11 @@ def _bars(
         heights = scale * np.array([float(values[name] or 0.0) for _, name in known])
         spread = scale * np.array([float(bars.get(name) or 0.0) for _, name in known])
         axes.bar(places, heights, 0.92 * width, color=MODEL_COLOURS.get(row, GREY), label=row)
-        down = np.minimum(spread, heights)
-        axes.errorbar(
-            places, heights, [down, spread], fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.6
-        )
+        if spread.any():
+            reach = [np.minimum(spread, heights), spread]
+            axes.errorbar(
+                places, heights, reach, fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.6
+            )
         highest = max(highest, heights.max(initial=0.0))
     labels = [COLUMNS[name].partition(" (")[0].replace(" amplitude", "\nampl.") for name in names]
     axes.set_xticks(range(len(names)), labels)
@@ -86,7 +87,8 @@ def front_figure(points: Sequence[Point], reference: str, name: str, bar: float 
         _plot_point(axes, point, 100.0 * point["error"][name], hollow=False)
     for point in best if bar else []:
         _plot_point(axes, point, 100.0 * (bar or 0.0), hollow=True)
-    _logarithmic(axes, [100.0 * p["error"][name] for p in seen] + [100.0 * (bar or 1.0)])
+    heights = [100.0 * point["error"][name] for point in seen]
+    _logarithmic(axes, [*heights, 100.0 * bar] if bar else heights)
     axes.set(xlabel="wall time (s)", ylabel=f"error, {COLUMNS[name]} (%)")
     markers = [
         Line2D([], [], marker=marker, linestyle="", color=GREY, label=RESOLUTIONS[key])

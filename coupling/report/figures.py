@@ -26,6 +26,7 @@ from coupling.report.style import (
 )
 
 _SMALL = 0.01  # a component below this share of the largest one is left out
+_ABREAST = 3  # names of models in a row of a legend
 _ROUNDING = 1e-9  # mm or N: what stays below it has not moved
 
 
@@ -159,7 +160,8 @@ def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, capti
     for run, curve in zip(runs, curves, strict=True):
         x, y = thinned(run.results.time, curve)
         axes.plot(x, y, **model_line(run.label))
-    _finish(axes, label)
+    axes.set(xlabel="time (s)", ylabel=label)
+    legend_above(axes, columns=_ABREAST)
     return Picture(source=svg(figure), caption=caption, alt=caption)
 
 
@@ -171,9 +173,10 @@ def model_line(model: str) -> dict[str, Any]:
 
 def model_legend(models: Sequence[str]) -> Picture:
     """The models' lines by name."""
-    figure = new_figure(height=0.35)
+    rows = -(-len(models) // _ABREAST)
+    figure = new_figure(height=0.15 + 0.2 * rows)
     lines = [Line2D([], [], **model_line(model)) for model in models]
-    figure.legend(handles=lines, loc="center", ncols=len(lines))
+    figure.legend(handles=lines, loc="center", ncols=_ABREAST)
     return Picture(source=svg(figure), caption="", alt="Models: " + ", ".join(models))
 
 
