@@ -25,7 +25,7 @@ from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, see
 from coupling.results import Results
 
 INSTANTS = 60  # at most, of a period
-BYTES = 6_000_000  # of all runs' positions and pressures, before base64 adds a third
+BYTES = 6_000_000  # of all runs' arrays, before base64 adds a third
 _TOP = 32767  # of a 16 bit integer
 _SEEN = (0.02, 0.98)  # quantiles that the colours span: a slam would leave all the rest pale
 
@@ -92,8 +92,15 @@ def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str
 
 def _affordable(runs: Sequence[RunFiles]) -> int:
     """Instants that fit into ``BYTES``; two at least, of however fine a sheet."""
+    fixed = sum(run.results.triangles.size * _index(run.results).itemsize for run in runs)
     one = sum(10 * len(run.results.reference) for run in runs)  # 5 integers of 2 bytes a node
-    return int(np.clip(BYTES // one, 2, INSTANTS))
+    return int(np.clip((BYTES - fixed) // one, 2, INSTANTS))
+
+
+def _index(results: Results) -> np.dtype[Any]:
+    """The smallest integers that number the nodes."""
+    small = len(results.reference) <= np.iinfo(np.uint16).max
+    return np.dtype("<u2" if small else "<u4")
 
 
 def _nearest(results: Results, wanted: Array) -> list[int]:
@@ -104,12 +111,11 @@ def _run(run: RunFiles, rows: list[int]) -> dict[str, Any]:
     results = run.results
     dynamic, pressure = results.dynamic_pressure[rows] / 1e3, results.pressure[rows] / 1e3
     quantities = {"pressure": pressure, "hydrostatic": pressure - dynamic, "dynamic": dynamic}
-    small = len(results.reference) <= np.iinfo(np.uint16).max
     return {
         "model": run.label,
         "flow": run.has_flow,
-        "triangles": _text(results.triangles.astype("<u2" if small else "<u4")),
-        "wide": not small,
+        "triangles": _text(results.triangles.astype(_index(results))),
+        "wide": _index(results).itemsize == 4,
         "position": _quantised(results.position[rows]),
         "pressure": _quantised(pressure),
         "dynamic": _quantised(dynamic) if run.has_flow else None,
