@@ -102,8 +102,9 @@ def error_curves(grid: Grid, name: str, word: str, *, ratio: bool) -> Picture:
         ends = np.array([np.nanmin(x), np.nanmax(x)])
         axes.plot(ends, 100.0 * ends**2, ":", color=GREY, label="(f/f₁)²")
     failed = grid.failed() & np.isfinite(x)
-    bottom = np.full(int(failed.sum()), axes.get_ylim()[0])
-    axes.plot(x[failed], bottom, "x", color=ORANGE, markeredgewidth=1.4, clip_on=False)
+    at_the_foot: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+    foot = np.zeros(int(failed.sum()))
+    axes.plot(x[failed], foot, "x", color=ORANGE, markeredgewidth=1.4, **at_the_foot)
     _scale(axes, "x", True)
     _scale(axes, "y", True)
     axes.set(xlabel="f/f₁" if ratio else label(grid.keys[along]), ylabel=f"{word} (%)")
@@ -136,7 +137,7 @@ def _scale(axes: Any, direction: str, logarithmic: bool) -> None:
     low, high = getattr(axes, f"get_{direction}lim")()
     if not logarithmic or not high > 0.0:
         return
-    getattr(axes, f"set_{direction}scale")("log")
+    getattr(axes, f"set_{direction}scale")("log", nonpositive="mask")
     axis = getattr(axes, f"{direction}axis")
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 3e3 * low else (1.0,)))
     axis.set_major_formatter(FuncFormatter(_plain))

@@ -3,9 +3,9 @@
     python tests/benchmarks/sweep.py [--periods 2] [--rings 6]
 
 The points are foam_cases/sway_map at ten frequencies and six fills, on ``hydrostatic`` and
-``potential``, with fewer rings and periods: 120 runs of about half a second each, so that starting
-the workers weighs more than in earnest. Wall times are those of ``run_sweep``, that start
-and the report included; the load is the machine's over the last minute, other processes included.
+``potential``, with fewer rings and periods: 120 runs of about half a second each, so that the
+start of the workers weighs more than it does in earnest. Wall times are those of ``run_sweep``,
+start and report included; the load is the machine's over the last minute, by all that runs on it.
 """
 
 # ruff: noqa: E402
@@ -32,7 +32,7 @@ OVER = ("motion.frequency=0.2:2:10:log", "liquid.fill_fraction=0.6:0.9:6")
 
 
 def timed(name: str, plan: Plan, folder: Path, workers: int, *, kill_after: int = 0) -> float:
-    """Sweep into ``folder``, print a line; a worker is killed once ``kill_after`` runs ended."""
+    """Sweep into ``folder`` and print a line; a worker is killed after ``kill_after`` runs."""
     before = {file: file.stat().st_mtime_ns for file in folder.glob("points/*/*/results.h5")}
     waiting = [kill_after] if kill_after else []
 
