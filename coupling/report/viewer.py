@@ -25,7 +25,7 @@ from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, see
 from coupling.results import Results
 
 INSTANTS = 60  # at most, of a period
-BYTES = 6_000_000  # of all runs' arrays, before base64 adds a third
+BYTES = 8_000_000  # of all runs' arrays, before base64 adds a third
 _TOP = 32767  # of a 16 bit integer
 _SEEN = (0.02, 0.98)  # quantiles that the colours span: a slam would leave all the rest pale
 
