@@ -1,0 +1,162 @@
+"""OpenFOAM's ``Gauss linear corrected`` Laplacian (over-relaxed) of the cells, as a sparse matrix.
+
+A cell's gradient takes its own value and its neighbours'; a face's flux those of both its cells. So
+all matrices of a mesh have the same entries, whose places are found once.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.linalg import splu
+
+from coupling.foam.geometry import CellGeometry
+from coupling.foam.mesh import LiquidMesh
+from coupling.ports import Array, Ints
+
+SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+SLOTS = 7  # of a gradient: a hexahedron and its neighbours
+
+
+@dataclass(frozen=True, kw_only=True)
+class Eliminated:
+    """Order in which the cells are eliminated, and the entries of their matrix in that order.
+
+    ``order`` (k,): all cells but one, which is held, the diaphragm's ``wall`` last. ``starts`` and
+    ``rows``: the columns. ``slots`` (inner, 2): where either cell of a face stands in the other's
+    gradient. ``places`` (inner, 2, SLOTS, 2): of each value in a face's flux, by the cell whose
+    gradient it is in, in the rows of owner and neighbour; the last place is the held cell's.
+    """
+
+    order: Ints
+    wall: Ints
+    starts: NDArray[np.int32]
+    rows: NDArray[np.int32]
+    slots: Ints
+    places: Ints
+
+    def matrix(self, mesh: LiquidMesh, geometry: CellGeometry) -> csc_array:
+        """Outward flux of -grad p (k, k) of every cell, in ``order``."""
+        values = np.zeros(len(self.rows) + 1)
+        gradient = np.zeros((mesh.cells, SLOTS, 3))
+        _fill(
+            mesh.owner, mesh.neighbour, geometry.volume, geometry.centre, geometry.face_centre,
+            geometry.face_area, self.slots, self.places, gradient, values,
+        )  # fmt: skip
+        return csc_array((values[:-1], self.rows, self.starts), shape=(len(self.order),) * 2)
+
+
+def eliminated(mesh: LiquidMesh) -> Eliminated:
+    """The order and the entries for ``mesh``; found once for each topology."""
+    return _eliminated(mesh.owner.tobytes(), mesh.neighbour.tobytes(), mesh.diaphragm.stop)
+
+
+@lru_cache(maxsize=4)
+def _eliminated(owner: bytes, neighbour: bytes, stop: int) -> Eliminated:
+    """``owner``, ``neighbour``: the mesh's, as bytes; ``stop``: where the wall's faces end."""
+    owners, neighbours = np.frombuffer(owner, np.int64), np.frombuffer(neighbour, np.int64)
+    wall, cells = np.unique(owners[len(neighbours) : stop]), int(owners.max()) + 1
+    slots, columns = _stencils(owners[: len(neighbours)], neighbours, cells)
+    own = np.repeat(np.arange(cells), SLOTS)
+    near = csc_array(coo_array((np.ones(own.shape), (own, columns.ravel())), shape=(cells, cells)))
+    near = csc_array(near @ near)
+    order = _ordered(near, wall)
+    pattern = csc_array(near[order][:, order])
+    pattern.sort_indices()
+    place = np.full(cells, -1)
+    place[order] = np.arange(len(order))
+    column_of = np.repeat(np.arange(len(order)), np.diff(pattern.indptr))
+    known = column_of * len(order) + pattern.indices  # rising
+    sides = np.stack([owners[: len(neighbours)], neighbours], axis=1)
+    column, row = place[columns[sides]][..., None], place[sides][:, None, None, :]
+    places = np.searchsorted(known, column * len(order) + row)
+    places[np.broadcast_to((column < 0) | (row < 0), places.shape)] = len(known)
+    return Eliminated(
+        order=order, wall=wall, starts=pattern.indptr, rows=pattern.indices, slots=slots,
+        places=places,
+    )  # fmt: skip
+
+
+def _stencils(owner: Ints, neighbour: Ints, cells: int) -> tuple[Ints, Ints]:
+    """``slots`` of ``Eliminated``, and the cells (c, SLOTS) in a gradient: itself, neighbours."""
+    columns = np.repeat(np.arange(cells)[:, None], SLOTS, axis=1)
+    slots, count = np.empty((len(neighbour), 2), np.int64), np.ones(cells, np.int64)
+    for face, pair in enumerate(np.stack([owner, neighbour], axis=1)):
+        slots[face] = count[pair]
+        columns[pair, count[pair]] = pair[::-1]
+        count[pair] += 1
+    return slots, columns
+
+
+def _ordered(near: csc_array, wall: Ints) -> Ints:
+    """Cells but the first inner one, ordered for little fill with the ``wall``'s last.
+
+    ``near`` (c, c): which cells meet in the matrix.
+    """
+    inner = np.setdiff1d(np.arange(near.shape[0]), wall)[1:]
+    pattern = csc_array(near[inner][:, inner])
+    pattern.setdiag(2.0 * pattern.sum(axis=0))
+    found = splu(csc_array(pattern), permc_spec="MMD_AT_PLUS_A", **SYMMETRIC)
+    return np.concatenate([inner[np.argsort(found.perm_c)], wall])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _fill(
+    owner: Ints,
+    neighbour: Ints,
+    volume: Array,
+    centre: Array,
+    face_centre: Array,
+    area: Array,
+    slots: Ints,
+    places: Ints,
+    gradient: Array,
+    values: Array,
+) -> None:
+    """Add up ``values`` (e + 1,); ``gradient`` (c, SLOTS, 3) is zero, and filled on the way."""
+    inner = len(neighbour)
+    weight, slant = np.empty(inner), np.empty(3)
+    for f in range(inner):
+        p, n = owner[f], neighbour[f]
+        to_owner, to_neighbour = 0.0, 0.0
+        for d in range(3):
+            to_owner += (face_centre[f, d] - centre[p, d]) * area[f, d]
+            to_neighbour += (centre[n, d] - face_centre[f, d]) * area[f, d]
+        w = abs(to_neighbour) / (abs(to_owner) + abs(to_neighbour))
+        weight[f] = w
+        for d in range(3):
+            gradient[p, 0, d] += w * area[f, d]
+            gradient[p, slots[f, 0], d] += (1.0 - w) * area[f, d]
+            gradient[n, 0, d] -= (1.0 - w) * area[f, d]
+            gradient[n, slots[f, 1], d] -= w * area[f, d]
+    for f in range(inner, len(owner)):
+        for d in range(3):
+            gradient[owner[f], 0, d] += area[f, d]
+    for f in range(inner):
+        p, n = owner[f], neighbour[f]
+        size, along, reach = 0.0, 0.0, 0.0
+        for d in range(3):
+            step = centre[n, d] - centre[p, d]
+            size, reach = size + area[f, d] ** 2, reach + step**2
+            along += area[f, d] * step
+        size, reach = math.sqrt(size), math.sqrt(reach)
+        stiff = size / max(along / size, 0.05 * reach)  # bounded as in OpenFOAM
+        for d in range(3):
+            slant[d] = area[f, d] - stiff * (centre[n, d] - centre[p, d])
+        for side, cell, share in ((0, p, weight[f]), (1, n, 1.0 - weight[f])):
+            for k in range(SLOTS):
+                value = 0.0
+                for d in range(3):
+                    value += share / volume[cell] * slant[d] * gradient[cell, k, d]
+                values[places[f, side, k, 0]] -= value
+                values[places[f, side, k, 1]] += value
+        for row, sign in ((0, 1.0), (1, -1.0)):
+            values[places[f, 0, 0, row]] += sign * stiff
+            values[places[f, 0, slots[f, 0], row]] -= sign * stiff
