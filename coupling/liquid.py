@@ -27,7 +27,12 @@ class LoadModel(Protocol):
 
 
 def load_model(scene: Scene) -> LoadModel:
-    """The hydrostatic part of the scene's ``model.fluid``."""
+    """The hydrostatic part of the scene's ``model.fluid``.
+
+    ``ValueError`` for "auto", which names no model yet (``coupling.auto`` takes one).
+    """
+    if scene.model.fluid == "auto":
+        raise ValueError('model.fluid = "auto": take a model first, as coupling.auto.run_auto does')
     if scene.model.fluid == "datum":
         depth = level_of_fill_fraction(scene.liquid.fill_fraction)  # over R, from the bottom
         return Datum(density=scene.liquid.density, level=(depth - 1.0) * scene.tank.radius)

@@ -16,6 +16,7 @@ from coupling.scene_sections import LADDER
 from coupling.study_plan import AS_RUN, STRETCH, THESIS, Entry, coarsening
 
 Summary = Mapping[str, Any]
+MEASURED = ("kinetic_ratio", "unsteady_ratio", "dynamic_fraction", "neglected_momentum")
 FIGURES_WITH_FRONT = ("shape_rms", "cg_amplitude", "force_amplitude", "pressure_rms")
 
 
@@ -69,6 +70,7 @@ class StudyRecord:
             "models": rows,
             "discretisation": own,
             "uncertainty": bars,
+            "bernoulli": self._bernoulli(best),
             "points": self._points(),
             "verdict": verdict(best, rows, bars),
             "advice": advice(best, rows, bars),
@@ -87,6 +89,25 @@ class StudyRecord:
     def _coarsening(self, best: str | None) -> dict[str, tuple[float, float]]:
         found = self._found(best)
         return {} if found is None else coarsening(found[0].scene)
+
+    def _bernoulli(self, best: str | None) -> dict[str, dict[str, float | None]]:
+        """The reference's ratios, each with its own estimated error."""
+        found = self._found(best)
+        ratios = (found[1].get("bernoulli") or {}) if found else {}
+        measured = {name: value for name in MEASURED if (value := ratios.get(name)) is not None}
+        own = {
+            entry.resolution: {
+                name: abs(other - value)
+                for name, value in measured.items()
+                if (other := (summary.get("bernoulli") or {}).get(name)) is not None
+            }
+            for entry, summary in self._done
+            if entry.row == best and entry.resolution != AS_RUN
+        }
+        bars = error_bars(own, self._coarsening(best), list(measured))
+        return {
+            name: {"value": value, "uncertainty": bars[name]} for name, value in measured.items()
+        }
 
     def _row(self, entry: Entry, summary: Summary, bars: Errors) -> dict[str, Any]:
         best = self.reference

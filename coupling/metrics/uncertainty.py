@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from coupling.metrics.comparison import NAMES, Errors
 
@@ -11,8 +11,12 @@ SHEET_ORDER = 2.0  # in the spacing of the rings: CG of the pad sway at 12, 18 a
 FLOW_ORDER = 1.5  # in the cells' width: ``edt verify momentum`` at 540 and 1216 cells has 1.6
 
 
-def error_bars(own: Mapping[str, Errors], coarsening: Mapping[str, tuple[float, float]]) -> Errors:
-    """Estimated error of the reference in every figure, in the figure's own unit.
+def error_bars(
+    own: Mapping[str, Errors],
+    coarsening: Mapping[str, tuple[float, float]],
+    names: Sequence[str] = NAMES,
+) -> Errors:
+    """Estimated error of the reference in every figure of ``names``, in the figure's own unit.
 
     ``own``: how far each less resolved run of the reference lies from it; ``coarsening``: by which
     factor its step or spacing was coarser, and by which power of that the error falls. A run
@@ -26,7 +30,7 @@ def error_bars(own: Mapping[str, Errors], coarsening: Mapping[str, tuple[float, 
     Where a run is missing, so is its share; None without any.
     """
     bars: Errors = {}
-    for name in NAMES:
+    for name in names:
         parts = [
             difference / (factor**order - 1.0)
             for kind, (factor, order) in coarsening.items()

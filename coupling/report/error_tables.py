@@ -88,6 +88,37 @@ def front_table(study: Mapping[str, Any]) -> Table:
     )
 
 
+_RATIOS = {
+    "eq46_as_printed": "hydrostatic over kinetic, thesis Eq. 4.6 as printed",
+    "eq46_as_worded": "… by the words of its text",
+    "kinetic_ratio": "… measured",
+    "unsteady_ratio": "hydrostatic over unsteady, measured",
+    "dynamic_fraction": "p* over hydrostatic, rms",
+    "neglected_momentum": "momentum that hydrostatics neglects, over the tank’s",
+}
+
+
+def ratios_table(study: Mapping[str, Any]) -> Table | None:
+    """Bernoulli's terms in the reference, with its own error; None where it measures none."""
+    measured = study.get("bernoulli") or {}
+    if not measured:
+        return None
+    guessed = (study["models"].get(study["reference"]) or {}).get("bernoulli") or {}
+    rows = []
+    for name, text in _RATIOS.items():
+        one = measured.get(name) or {"value": guessed.get(name), "uncertainty": None}
+        if one["value"] is not None:
+            bar = f" ± {number(one['uncertainty'])}" if one["uncertainty"] is not None else ""
+            rows.append([text, number(one["value"]) + bar])
+    return Table(
+        head=[f"In {study['reference']}", "ratio"],
+        rows=rows,
+        note="Of the largest values in space and time, but for the last two. Far above 1 the term "
+        "may be left out, at 1 or below it may not: Eq. 4.6 guesses the liquid’s speed, and does "
+        "not have the unsteady term. ± is the reference’s own error, as above.",
+    )
+
+
 def _own(key: str, reference: str) -> str:
     grid = "half the cells" if reference == "openfoam" else "half the triangles"
     return {"coarser_grid": grid, "doubled_step": "doubled step"}.get(key, key)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from coupling.report.error_figures import errors_figure, front_figure
-from coupling.report.error_tables import errors_table, front_table
+from coupling.report.error_tables import errors_table, front_table, ratios_table
 from coupling.report.figures import model_legend, overlay
 from coupling.report.files import RunFiles, pressure_rms, read_run
 from coupling.report.instants import overlaid_sections
@@ -74,7 +74,8 @@ def _errors(study: Mapping[str, Any]) -> Section:
         if name != reference and row.get("error")
     }
     pictures = [errors_figure(errors, bars)] if errors else []
-    return Section(title="Errors", tables=[errors_table(study)], pictures=pictures, columns=1)
+    tables = [table for table in (errors_table(study), ratios_table(study)) if table]
+    return Section(title="Errors", tables=tables, pictures=pictures, columns=1)
 
 
 def _speed(study: Mapping[str, Any]) -> list[Section]:

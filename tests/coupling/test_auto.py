@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coupling.auto import FILE, finish, path_error, run_auto
-from coupling.driver import resume
+from coupling.driver import resume, run
 from coupling.model_errors import choose
 from coupling.scene import load_scene, scene_from
 
@@ -59,6 +59,11 @@ def test_a_resumed_run_is_checked_too(done, tmp_path):
 def test_a_run_whose_model_was_given_stays_as_it_is(tmp_path):
     summary = {"status": "completed"}
     assert finish(tmp_path, summary, None) == {"status": "completed"}
+
+
+def test_no_run_starts_before_a_model_is_chosen(tmp_path):
+    with pytest.raises(ValueError, match="take a model first"):
+        run(scene_from(SCENE), tmp_path)
 
 
 def test_distance_of_two_paths():

@@ -52,6 +52,16 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
     # half the cells at order 1.5 and the doubled step at order 2, both 0.02 away
     bar = own / (2 ** (1.5 / 3) - 1) + own / 3
     assert study["uncertainty"]["shape_rms"] == pytest.approx(bar)
+    # the ratios get the same: p* and with it the neglected momentum go with the tilt
+    fraction = study["bernoulli"]["dynamic_fraction"]
+    variants = [
+        json.loads(path.read_text())["bernoulli"]["dynamic_fraction"]
+        for path in sorted((tmp_path / "discretisation").glob("*/*/summary.json"))
+    ]
+    grid, step = (abs(value - fraction["value"]) for value in variants)
+    expected = grid / (2 ** (1.5 / 3) - 1) + step / 3
+    assert fraction["uncertainty"] == pytest.approx(expected, abs=1e-15)
+    assert fraction["value"] == rows["openfoam"]["bernoulli"]["dynamic_fraction"]
     assert rows["hydrostatic"]["below_reference_error"] == ["shape_rms"]
     assert rows["datum"]["below_reference_error"] == []
     assert study["advice"].startswith("Use hydrostatic")
