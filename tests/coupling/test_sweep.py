@@ -23,7 +23,7 @@ from coupling.scene import load_scene
 from coupling.study import run_or_reuse
 from coupling.study_record import read_summary
 from coupling.sweep import run_sweep
-from coupling.sweep_plan import Plan, parse_axis, plan_sweep
+from coupling.sweep_plan import Plan, SweepError, parse_axis, plan_sweep
 from coupling.sweep_workers import local_workers, outcome_of
 
 SCENE = """
@@ -146,6 +146,21 @@ def test_a_run_that_kills_its_worker_each_time_is_a_failure() -> None:
         future = client.submit(lambda: os.kill(os.getpid(), signal.SIGKILL))
         assert outcome_of(future)["error"].startswith("the worker process died each time")
         assert client.submit(lambda: 7).result() == 7  # another worker stands in
+
+
+def test_a_cluster_by_its_address_does_the_same(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    two = plan(path, "motion.frequency=1,2")
+    with local_workers(1) as client:
+        address = client.cluster.scheduler_address
+        content = run_sweep(two, tmp_path / "sweep", scheduler=address)
+        assert client.submit(lambda: 7).result() == 7  # the cluster is left as it was
+    assert [row["failure"] for row in content["rows"]] == [None, None]
+    assert len(written(tmp_path / "sweep")) == 4
+    monkeypatch.setattr("coupling.sweep_workers._ANSWER", 0.5)
+    with pytest.raises(SweepError, match=r"--scheduler tcp://127\.0\.0\.1:9: no answer"):
+        run_sweep(two, tmp_path / "other", scheduler="tcp://127.0.0.1:9")
 
 
 @contextmanager
