@@ -95,7 +95,8 @@ class OpenFoamFlow:
 
         ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
         """
-        self.time, self.dt = round(time, 11), dt  # as the case's folders are named
+        # As the case names its folders: the next step starts where this ends, digit for digit.
+        self.time, self._end, self.dt = round(time, 11), round(time + dt, 11), dt
         self._following.begin_step(shell)
         self._laplacian: NeumannLaplacian | None = None  # where the step is expected to end
         self._rate: Array | None = None  # of the fluxes that sliding makes (B,) [m^3/s^2]
@@ -117,7 +118,7 @@ class OpenFoamFlow:
 
     @property
     def _moment(self) -> str:
-        return f"t = {self.time + self.dt:.6g} s"
+        return f"t = {self._end:.6g} s"
 
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
@@ -129,7 +130,7 @@ class OpenFoamFlow:
                 "OpenFOAM would answer with a pressure that means nothing. Halve time.step."
             )
         pressure, self._velocity = self.case.advance(
-            self.time, self.time + self.dt, self._following.points_now
+            self.time, self._end, self._following.points_now
         )
         self._pressure = self.density * pressure
         self._swept = swept[: self.mesh.diaphragm_faces]
@@ -176,7 +177,7 @@ class OpenFoamFlow:
         if self.time not in self._kept:
             self.case.remove(self.time)
         self.steps += 1
-        self.time = round(self.time + self.dt, 11)
+        self.time = self._end
         walls = wall_flow(
             self.mesh, self._following.geometry, self._now, self._velocity,
             dt=self.dt, viscosity=self.density * self.viscosity,

@@ -340,3 +340,18 @@ def test_command_builds_it_once_and_tells_where_it_is(edt, alive):
     done = edt("build-solver")
     assert (done.returncode, done.stdout.strip()) == (0, str(alive.keep_alive))
     assert str(alive.keep_alive) in edt("info", "--json").stdout
+
+
+def test_steps_that_no_decimals_hold(flow_of, alive):
+    """Steps of 1/30 s: where one ends and the next begins is the same time, digit for digit."""
+    step = 1.0 / 30.0
+    flows = flow_of(alive), flow_of(find_openfoam())
+    pressures = []
+    for flow in flows:
+        for number, size in enumerate(SIZES):
+            flow.begin_step(number * step, step)
+            pressures.append(flow.solve(moved(flow, size)).copy())
+            flow.accept_step()
+        assert flow.time == round(len(SIZES) * step, 11)
+    one, other = pressures[: len(SIZES)], pressures[len(SIZES) :]
+    assert all(distance(a, b) < SOLVER_TOLERANCE for a, b in zip(one, other, strict=True))
