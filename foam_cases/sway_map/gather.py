@@ -4,7 +4,8 @@
 
 SWEEP is a folder that `edt sweep` wrote. A model of a point is a row, against the next one up that
 completed there. A sweep over ``openfoam.cells`` of N/2 and N also gives the grid's own error on N:
-of second order in the cells' size, it is the difference over 2^(2/3) - 1.
+of second order in the cells' size, it is the difference over 2^(2/3) - 1. A row of a later sweep
+replaces that of an earlier one at the same frequency, acceleration and fill.
 """
 
 from __future__ import annotations
@@ -69,14 +70,15 @@ def _row(point: Mapping[str, Any], model: str, reference: str, error: float) -> 
 
 def main(folders: Sequence[str]) -> None:
     """Print the data of the sweeps in ``folders``."""
-    writer = csv.DictWriter(sys.stdout, COLUMNS, lineterminator="\n")
-    writer.writeheader()
+    found = {}
     for folder in folders:
         points = json.loads((Path(folder) / "sweep.json").read_text(encoding="utf-8"))["rows"]
-        for point in points:
-            if _cells(point) in (None, CELLS):
-                writer.writerows(model_rows(point))
-        writer.writerows(grid_rows(points))
+        fine = [point for point in points if _cells(point) in (None, CELLS)]
+        for row in (*(row for point in fine for row in model_rows(point)), *grid_rows(points)):
+            found[tuple(row[name] for name in COLUMNS[:-1])] = row
+    writer = csv.DictWriter(sys.stdout, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(found.values())
 
 
 if __name__ == "__main__":
