@@ -13,10 +13,10 @@ from coupling.scene import load_scene, scene_from
 SCENE = {
     "tank": {"radius": 0.4445},
     "diaphragm": {"thickness": 0.001778, "material": "AF-E-332"},
-    "liquid": {"name": "water", "fill_fraction": 0.5},
+    "liquid": {"name": "water", "fill_fraction": 0.8},
     "motion": {"kind": "sine", "frequency": 0.1, "acceleration": 1.0},
     "model": {"fluid": "auto", "tolerance": 0.2},
-    "cloth": {"resolution": 6, "bending_damping": 0.2},
+    "cloth": {"resolution": 8, "bending_damping": 0.2},
     "time": {"settle": 0.5, "periods": 1.5, "steps_per_period": 20, "checkpoint_every": 10},
 }
 
