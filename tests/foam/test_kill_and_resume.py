@@ -110,7 +110,8 @@ def test_resumed_run_equals_the_unbroken_one(edt, killed, whole):
         for name in ("diaphragm/position", "diaphragm/dynamic_pressure", "liquid/force"):
             a, b = one[name][:], two[name][:]
             assert np.abs(a - b).max() <= TOLERANCE * np.abs(b).max(), name
-            assert np.abs(b[-1] - b[0]).max() > 1e-3 * np.abs(b).max()
+            # In 60 ms the sheet moves by 2e-4 m, 0.23e-3 m with an inviscid liquid: 5e-4 of R.
+            assert np.abs(b[-1] - b[0]).max() > 1e-4 * np.abs(b).max()
     lines = (killed / "coupling.csv").read_text().splitlines()[1:]
     times = [float(line.split(",")[0]) for line in lines]
     assert times == sorted(times)
