@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from coupling.atomic import write_json
-from coupling.driver import Progress, run
+from coupling.driver import Progress, resume, run
 from coupling.metrics.comparison import common_instants
 from coupling.model_errors import LADDER as RUNGS
 from coupling.model_errors import choose
@@ -45,17 +45,20 @@ def run_auto(scene: Scene, folder: Path, *, progress: Progress | None = None) ->
             "estimates": {name: vars(one) for name, one in choice.estimates.items()},
         },
     )
-    return finish(folder, run(_on(scene, choice.fluid), folder, progress=progress), progress)
+    return _finish(folder, run(_on(scene, choice.fluid), folder, progress=progress), progress)
 
 
-def finish(folder: Path, summary: dict[str, Any], progress: Progress | None) -> dict[str, Any]:
-    """Add to the ``summary`` of a run how its model was chosen, where it was, and the check of it.
+def resume_auto(folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
+    """Go on with what ``run_auto`` began in ``folder``; as ``driver.resume``."""
+    return _finish(folder, resume(folder, progress=progress), progress)
+
+
+def _finish(folder: Path, summary: dict[str, Any], progress: Progress | None) -> dict[str, Any]:
+    """Add to the ``summary`` of a run how its model was chosen, and the check of it.
 
     The check takes the scene's first period (a table's characteristic one) on the next rung up, in
     ``check``; its error is the rms distance of the CG's paths over the rms way of the better one.
     """
-    if not (folder / FILE).is_file():
-        return summary
     auto = json.loads((folder / FILE).read_text(encoding="utf-8"))
     if summary["status"] == "completed" and "checked" not in auto:
         auto["checked"] = _checked(load_scene(folder), folder, progress)

@@ -67,15 +67,16 @@ def run(
 ) -> None:
     """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
     scene = load_scene(scene_path, changes or ())
-    from coupling.auto import run_auto
-    from coupling.driver import run as run_scene
-
     if scene.model.fluid == "auto":
-        run_scene = run_auto
+        from coupling.auto import run_auto as run_scene
+
         choice = choose(scene)
         typer.echo(f"auto: {choice.reason}", err=True)
         need_openfoam(scene, [choice.fluid])
-    need_openfoam(scene, [scene.model.fluid])
+    else:
+        from coupling.driver import run as run_scene
+
+        need_openfoam(scene, [scene.model.fluid])
     folder = output or default_folder(scene_path)
     prepare_folder(folder, force=force)
     with resumable(folder), RunProgress() as progress:
@@ -90,11 +91,13 @@ def resume(folder: RunFolder, as_json: AsJson = False) -> None:
     check_resumable(folder)
     scene = load_scene(folder)
     need_openfoam(scene, [scene.model.fluid])
-    from coupling.auto import finish
-    from coupling.driver import resume as resume_run
+    if (folder / "auto.json").is_file():
+        from coupling.auto import resume_auto as resume_run
+    else:
+        from coupling.driver import resume as resume_run
 
     with resumable(folder), RunProgress() as progress:
-        summary = finish(folder, resume_run(folder, progress=progress), progress)
+        summary = resume_run(folder, progress=progress)
     _finish(summary, folder, as_json)
 
 

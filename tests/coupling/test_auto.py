@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from coupling.auto import FILE, finish, path_error, run_auto
-from coupling.driver import resume, run
+from coupling.auto import FILE, path_error, resume_auto, run_auto
+from coupling.driver import run
 from coupling.model_errors import choose
 from coupling.scene import load_scene, scene_from
 
@@ -51,14 +51,9 @@ def test_a_resumed_run_is_checked_too(done, tmp_path):
     stored = json.loads((folder / FILE).read_text())
     del stored["checked"]
     (folder / FILE).write_text(json.dumps(stored))
-    again = finish(folder, resume(folder), None)
+    again = resume_auto(folder)
     del summary["auto"]["checked"]["wall_s"], again["auto"]["checked"]["wall_s"]
     assert again["auto"] == summary["auto"]
-
-
-def test_a_run_whose_model_was_given_stays_as_it_is(tmp_path):
-    summary = {"status": "completed"}
-    assert finish(tmp_path, summary, None) == {"status": "completed"}
 
 
 def test_no_run_starts_before_a_model_is_chosen(tmp_path):
