@@ -227,7 +227,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("liquid.name=mercury", '"mercury" is not a built-in liquid. Use one of water, hydrazine'),
         (
             "model.fluid=potentiel",
-            'one of "datum", "hydrostatic", "potential", "openfoam", got "potentiel"',
+            'one of "datum", "hydrostatic", "potential", "openfoam", "auto", got "potentiel"',
         ),
         ("model.fluid=openfom", "Did you mean openfoam?"),
         ("openfoam.processors=0", "must lie in [1, 256], got 0"),
