@@ -166,9 +166,9 @@ WRONG = {
     "unknown fluid": (
         nothing,
         "run case --set model.fluid=magic",
-        'must be one of "datum", "hydrostatic", "potential", "openfoam", got "magic"',
+        'must be one of "datum", "hydrostatic", "potential", "openfoam", "auto", got "magic"',
     ),
-    "fluid of a later version": (nothing, "run case --set model.fluid=auto", 'got "auto"'),
+    "tolerance of auto": (nothing, "run case --set model.tolerance=1.5", "must lie in (0, 1)"),
     "unknown study model": (nothing, "study case --models datum,magic", "got 'datum,magic'"),
     "one study model": (nothing, "study case --models datum", "two or more different"),
     "unknown verb": (nothing, "launch case", "No such command 'launch'"),
