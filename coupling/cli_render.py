@@ -31,7 +31,7 @@ def render(
     """Show a run's last period: the diaphragm and its pressure, moving or at three instants."""
     check_reportable(folder)
     if not (folder / "results.h5").is_file():
-        stop(f"{folder}: is a study. Give the folder of one of its runs.", ExitStatus.WRONG_INPUT)
+        stop(f"{folder}: is no run. Give the folder of one.", ExitStatus.WRONG_INPUT)
     from coupling.report import VIDEOS, render_picture, render_video
 
     path = output or folder / DEFAULT

@@ -272,7 +272,7 @@ def test_a_study_is_no_run_to_render(case: Path):
     (case / "study.json").touch()
     result = edt("render", case)
     assert result.exit_code == 2
-    assert "is a study" in result.stderr
+    assert "is no run" in result.stderr
 
 
 def test_check_advises_a_model(case: Path):

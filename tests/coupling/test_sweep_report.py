@@ -110,6 +110,6 @@ def test_the_command_builds_the_page_again(tmp_path: Path):
     result = CliRunner().invoke(app, ["report", str(tmp_path)])
     assert result.exit_code == 0
     assert (tmp_path / "report.html").is_file()
-    picture = CliRunner().invoke(app, ["report", str(tmp_path), "--picture", "a.png"])
+    picture = CliRunner().invoke(app, ["render", str(tmp_path), "-o", "a.png"])
     assert picture.exit_code == 2
     assert "is no run" in picture.stderr
