@@ -22,6 +22,7 @@ from coupling.ports import Array
 from coupling.results import read_results
 from coupling.scene import Scene, load_scene
 from coupling.shaking import driving_frequency
+from coupling.study import run_or_reuse
 
 FILE = "auto.json"
 CHECK_FOLDER = "check"
@@ -29,7 +30,7 @@ _log = logging.getLogger(__name__)
 
 
 def run_auto(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
-    """Run ``scene`` on the model that ``choose`` takes, then ``check`` it; as ``driver.run``.
+    """Run ``scene`` on the model that ``choose`` takes, then check it; as ``driver.run``.
 
     The scene in ``folder`` names the model taken; the choice stands in ``auto.json``.
     """
@@ -80,18 +81,19 @@ def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str,
     part = scene.time.model_copy(
         update={"duration": max(window, scene.time.step), "output_every": 1}
     )
-    summary = run(
-        _on(scene, better).model_copy(update={"time": part}), folder / CHECK_FOLDER,
-        progress=progress,
-    )  # fmt: skip
-    found: dict[str, Any] = {"against": better, "simulated_s": window, "wall_s": summary["wall_s"]}
+    checking = _on(scene, better).model_copy(update={"time": part})
+    found: dict[str, Any] = {"against": better, "simulated_s": window, "error": None}
+    summary = run_or_reuse(checking, folder / CHECK_FOLDER, progress)
     if summary["status"] != "completed":
-        return found | {"error": None, "says": f"{better} failed: {summary['error']}"}
+        return found | {"says": f"not checked: {better} failed: {summary['error']}"}
+    found["wall_s"] = summary["wall_s"]
     one, other = read_results(folder), read_results(folder / CHECK_FOLDER)
     error = path_error(one.time, one.liquid_cg, other.time, other.liquid_cg)
-    keeps = error is not None and error <= scene.model.tolerance
+    if error is None:
+        return found | {"says": f"not checked: in the first {window:.3g} s nothing moves"}
+    keeps = error <= scene.model.tolerance
     says = (
-        f"over the first {window:.3g} s the CG's path is {error or 0.0:.2g} off that of {better}, "
+        f"over the first {window:.3g} s the CG's path is {error:.2g} off that of {better}, "
         f"{'within' if keeps else 'above'} {scene.model.tolerance:.3g}"
     )
     if not keeps:

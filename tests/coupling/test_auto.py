@@ -56,6 +56,22 @@ def test_a_resumed_run_is_checked_too(done, tmp_path):
     assert again["auto"] == summary["auto"]
 
 
+def test_a_run_stands_where_there_is_nothing_to_check_it_with(tmp_path):
+    scene = scene_from(
+        SCENE
+        | {"motion": {"kind": "sine", "frequency": 0.35, "acceleration": 1.0}}
+        | {"openfoam": {"command": "no-such-solver"}}
+        | {"time": {"settle": 0.5, "duration": 0.2, "step": 0.05}}
+        | {"model": {"fluid": "auto", "tolerance": 0.12}}
+    )
+    assert choose(scene).fluid == "potential"
+    summary = run_auto(scene, tmp_path / "run")
+    assert summary["status"] == "completed"
+    assert summary["auto"]["checked"]["error"] is None
+    says = summary["auto"]["checked"]["says"]
+    assert says.startswith("not checked: openfoam failed: openfoam.command: no program")
+
+
 def test_no_run_starts_before_a_model_is_chosen(tmp_path):
     with pytest.raises(ValueError, match="take a model first"):
         run(scene_from(SCENE), tmp_path)
