@@ -15,6 +15,7 @@ from importlib.resources import files
 
 import numpy as np
 
+from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.numbers import numbers_of
 from coupling.ports import Array
 from coupling.scene import Scene
@@ -143,8 +144,8 @@ def estimates(scene: Scene) -> dict[str, Estimate]:
     """Estimated error of ``hydrostatic``, ``potential`` and ``openfoam`` in ``scene``.
 
     That of ``hydrostatic`` is its error against ``potential`` with that one's against ``openfoam``
-    added in quadrature; that of ``openfoam`` is its grid's, which falls as the square of the cells'
-    size. All are zero at rest, where the liquid is hydrostatic exactly.
+    added in quadrature; that of ``openfoam`` is its grid's, which falls with the cells' width to
+    the power FLOW_ORDER. All are zero at rest, where the liquid is hydrostatic exactly.
     """
     numbers = numbers_of(scene)
     if numbers.acceleration_ratio == 0.0:
@@ -155,7 +156,7 @@ def estimates(scene: Scene) -> dict[str, Estimate]:
         fill_fraction=numbers.fill_fraction,
     )
     hydrostatic, potential, openfoam = (fitted(name).at(place) for name in LADDER)
-    finer = (CELLS / scene.openfoam.cells) ** (2.0 / 3.0)
+    finer = (CELLS / scene.openfoam.cells) ** (FLOW_ORDER / 3.0)
     return {
         "hydrostatic": _together(hydrostatic, potential),
         "potential": potential,
@@ -194,7 +195,7 @@ def choose(scene: Scene) -> Choice:
     best = LADDER[-1]
     return Choice(
         fluid=best,
-        reason=f"no model is expected to keep {tolerance:.3g}: {best} comes closest on this grid "
+        reason=f"no model is expected to keep {tolerance:.3g}: the best one, {best}, is taken "
         f"(expected {known[best].expected:.2g}, nine in ten below {known[best].upper:.2g})",
         estimates=known,
     )

@@ -4,7 +4,7 @@
 
 SWEEP is a folder that `edt sweep` wrote. A model of a point is a row, against the next one up that
 completed there. A sweep over ``openfoam.cells`` of N/2 and N also gives the grid's own error on N:
-of second order in the cells' size, it is the difference over 2^(2/3) - 1. A row of a later sweep
+by Richardson's estimate, as a study has it (``coupling/metrics/uncertainty.py``). A row of a later sweep
 replaces that of an earlier one at the same frequency, acceleration and fill.
 """
 
@@ -19,9 +19,10 @@ from pathlib import Path
 from typing import Any
 
 from coupling.metrics.comparison import cg_motion
+from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.model_errors import CELLS, COLUMNS, LADDER
 
-OWN = 2.0 ** (2.0 / 3.0) - 1.0
+OWN = 2.0 ** (FLOW_ORDER / 3.0) - 1.0
 
 
 def model_rows(point: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.model_errors import (
     LADDER,
     QUANTILE,
@@ -100,6 +101,6 @@ def test_where_none_is_good_enough_the_best_is_taken_and_said_so():
 
 def test_finer_cells_lower_the_error_of_openfoam():
     coarse, fine = (estimates(scene(openfoam={"cells": n}))["openfoam"] for n in (1300, 10400))
-    # of second order in the cells' size: eight times the cells, a quarter of the error
-    assert fine.expected == pytest.approx(coarse.expected / 4.0, rel=1e-12)
+    # eight times the cells, half their width
+    assert fine.expected == pytest.approx(coarse.expected / 2.0**FLOW_ORDER, rel=1e-12)
     assert set(LADDER) == set(estimates(scene()))
