@@ -3,9 +3,9 @@
     python foam_cases/sway_map/gather.py SWEEP [SWEEP ...] > coupling/model_errors.csv
 
 SWEEP is a folder that `edt sweep` wrote. A model of a point is a row, against the next one up that
-completed there. A sweep over ``openfoam.cells`` of N/2 and N also gives the grid's own error on N:
-by Richardson's estimate, as a study has it (``coupling/metrics/uncertainty.py``). A row of a later sweep
-replaces that of an earlier one at the same frequency, acceleration and fill.
+completed there. A sweep over ``openfoam.cells`` of N/2 and N also gives the grid's own error on N,
+by Richardson's estimate, as a study has it (``coupling/metrics/uncertainty.py``). A row of a later
+sweep replaces that of an earlier one at the same frequency, acceleration and fill.
 """
 
 from __future__ import annotations
