@@ -24,6 +24,9 @@ TOLERANCE = 0.0
 SOLVER_TOLERANCE = 1e-7
 
 
+# Four times the scene's own, which moves the sheet by 5e-4 R in the 60 ms of the run, as an inviscid
+# liquid does: too little to tell a run that goes on from one that stands.
+MOTION = "motion.amplitude=0.2"
 WAYS = {
     "alive": ("openfoam.keep_alive=true",),
     "two processors": ("openfoam.processors=2",),
@@ -36,7 +39,8 @@ def way(request: pytest.FixtureRequest) -> list[str]:
     """Options of a run whose solver works in this way."""
     if request.param != "restart":
         request.getfixturevalue("alive")
-    return [word for change in WAYS[request.param] for word in ("--set", change)]
+    changes = (*WAYS[request.param], MOTION)
+    return [word for change in changes for word in ("--set", change)]
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +114,7 @@ def test_resumed_run_equals_the_unbroken_one(edt, killed, whole):
         for name in ("diaphragm/position", "diaphragm/dynamic_pressure", "liquid/force"):
             a, b = one[name][:], two[name][:]
             assert np.abs(a - b).max() <= TOLERANCE * np.abs(b).max(), name
-            # In 60 ms the sheet moves by 2e-4 m, 0.23e-3 m with an inviscid liquid: 5e-4 of R.
-            assert np.abs(b[-1] - b[0]).max() > 1e-4 * np.abs(b).max()
+            assert np.abs(b[-1] - b[0]).max() > 1e-3 * np.abs(b).max()
     lines = (killed / "coupling.csv").read_text().splitlines()[1:]
     times = [float(line.split(",")[0]) for line in lines]
     assert times == sorted(times)
