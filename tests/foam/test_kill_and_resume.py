@@ -24,8 +24,8 @@ TOLERANCE = 0.0
 SOLVER_TOLERANCE = 1e-7
 
 
-# Four times the scene's own, which moves the sheet by 5e-4 R in the 60 ms of the run, as an inviscid
-# liquid does: too little to tell a run that goes on from one that stands.
+# Four times the scene's own, which moves the sheet by 5e-4 R in the 60 ms of the run, as an
+# inviscid liquid does: too little to tell a run that goes on from one that stands.
 MOTION = "motion.amplitude=0.2"
 WAYS = {
     "alive": ("openfoam.keep_alive=true",),
