@@ -91,11 +91,7 @@ def _within(reference: str, rows: Mapping[str, Row], others: _Known, bars: Error
 
 def _alike(reference: str, rows: Mapping[str, Row], others: _Known, bars: Errors) -> str:
     """On the fastest that the bars do not tell from the reference, if any."""
-    alike = [
-        name
-        for name, errors in others.items()
-        if all(error <= max(ENOUGH, bars.get(figure) or 0.0) for figure, error in errors.items())
-    ]
+    alike = [name for name, errors in others.items() if not _told(errors, bars)]
     if not alike:
         return ""
     name = _fastest(alike, rows)
@@ -108,13 +104,23 @@ def _alike(reference: str, rows: Mapping[str, Row], others: _Known, bars: Errors
 
 
 def _too_far(reference: str, others: _Known, bars: Errors) -> str:
-    name = min(others, key=lambda key: _worst(others[key])[1])
-    figure, error = _worst(others[name])
+    told = {name: _told(errors, bars) for name, errors in others.items()}
+    name = min(told, key=lambda key: _worst(told[key])[1])
+    figure, error = _worst(told[name])
     return (
         f"Use {reference}. The best of the others, {name}, errs by "
         f"{_with_bar(error, bars.get(figure))} in {_WORDS[figure]}, above the "
         f"{_percent(ENOUGH)} that is asked for."
     )
+
+
+def _told(errors: Mapping[str, float], bars: Errors) -> dict[str, float]:
+    """The errors above what is asked for that the reference's own cannot explain."""
+    return {
+        figure: error
+        for figure, error in errors.items()
+        if error > max(ENOUGH, bars.get(figure) or 0.0)
+    }
 
 
 def _worst(errors: Mapping[str, float]) -> tuple[str, float]:

@@ -115,6 +115,18 @@ def test_advice_counts_the_error_bar() -> None:
     assert advice("openfoam", rows, {"cg_amplitude": 0.09}).startswith("Use hydrostatic: it cannot")
 
 
+def test_what_the_reference_cannot_tell_does_not_rank_the_others() -> None:
+    """The worse in a pressure that is not resolved is the better in all that is."""
+    known = {"hydrostatic": (0.3, 0.7), "potential": (0.06, 0.9)}
+    rows = {
+        name: {"wall_s": 1.0, "speedup": 9.0, "error": {"cg_amplitude": cg, "pressure_rms": p}}
+        for name, (cg, p) in known.items()
+    } | {"openfoam": {"wall_s": 9.0, "error": {"cg_amplitude": 0.0, "pressure_rms": 0.0}}}
+    said = advice("openfoam", rows, {"cg_amplitude": 0.03, "pressure_rms": 1.7})
+    assert said.startswith("Use openfoam. The best of the others, potential, errs by 6")
+    assert "CG amplitude" in said
+
+
 def test_only_rungs_of_the_ladder_are_advised() -> None:
     rows = {
         "thesis": row(1, 0.01) | {"model": "datum"},
