@@ -32,7 +32,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     ]
     runs.sort(key=lambda run: run.label != study["reference"])  # the others lie on top of it
     failed = [f"{name}: {row['failure']}" for name, row in rows.items() if row.get("failure")]
-    sections = [_errors(study), *_speed(study)]
+    sections = [_errors(study), *_ratios(study), *_speed(study)]
     if runs:
         drawn = [run for run in runs if run.label not in _CURVELESS]
         sections += [*_curves(drawn), _shapes(drawn), *study_view(drawn, study)]
@@ -74,8 +74,12 @@ def _errors(study: Mapping[str, Any]) -> Section:
         if name != reference and row.get("error")
     }
     pictures = [errors_figure(errors, bars)] if errors else []
-    tables = [table for table in (errors_table(study), ratios_table(study)) if table]
-    return Section(title="Errors", tables=tables, pictures=pictures, columns=1)
+    return Section(title="Errors", tables=[errors_table(study)], pictures=pictures, columns=1)
+
+
+def _ratios(study: Mapping[str, Any]) -> list[Section]:
+    table = ratios_table(study)
+    return [] if table is None else [Section(title="Bernoulli’s terms", tables=[table])]
 
 
 def _speed(study: Mapping[str, Any]) -> list[Section]:
