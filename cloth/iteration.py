@@ -107,7 +107,8 @@ class Iteration:
         self.x = p.start.copy()
         self.z = np.zeros_like(p.tension)
         self.u = p.tension / self.penalty[:, None, None]
-        self.zc = np.zeros_like(self.x)
+        # Fixed nodes have no multiplier, but planes that part them from others see them here.
+        self.zc = np.where(model.mesh.fixed[:, None], model.clamped, 0.0)
         self.uc = p.contact_force / np.where(self.weight > 0.0, self.weight, 1.0)[:, None]
         self.gradient, self.response = np.zeros_like(self.x), np.zeros_like(self.x)
         self.slope = p.load.density * p.load.body_force

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from test_cloth_step import GRAVITY, TANK, Water, build, run_under, sway_acceleration
 
+from cloth.iteration import Iteration
 from cloth.self_contact.crossing import crossing_pairs
+from cloth.self_contact.planes import Planes
 from cloth.settle import settle
 
 STEP, FREQUENCY = 0.005, 2.0
@@ -69,3 +71,26 @@ def test_solving_again_in_contact_repeats_and_is_continuous():
     np.testing.assert_array_equal(cloth.solve(zero), first)
     assert moved[0] > 0.0
     assert moved[1] == pytest.approx(moved[0], rel=0.5)
+
+
+def test_a_plane_that_leans_on_the_clamped_rim_and_is_kept_changes_nothing():
+    """A node 4 mm inside of a fixed one, asked to stay 1 mm inside of it."""
+    cloth = build(12, self_contact=True)
+    rim = np.flatnonzero(cloth.fixed)[0]
+    away = np.linalg.norm(cloth.reference - cloth.reference[rim], axis=1)
+    node = np.argmin(np.where(cloth.fixed, np.inf, away))
+    inward = -cloth.reference[rim] / np.linalg.norm(cloth.reference[rim])
+    kept = Planes(
+        nodes=np.array([[node, rim, rim, rim]]), weights=np.array([[1.0, -1.0, 0.0, 0.0]]),
+        normal=inward[None], rest=np.array([1e-3]),
+    )  # fmt: skip
+    cloth.begin_step(STEP, Water(0.5 * TANK, GRAVITY))
+    assert cloth._problem is not None
+    runs = [
+        Iteration(cloth._problem, np.zeros_like(cloth.reference), planes) for planes in (None, kept)
+    ]
+    for run in runs:
+        for _ in range(5):
+            run.advance()
+    np.testing.assert_array_equal(runs[1].x, runs[0].x)
+    assert (runs[0].x[node] - runs[0].x[rim]) @ inward > 1e-3
