@@ -27,11 +27,10 @@ from coupling.ports import (
     HydrostaticLoad,
     LiquidSample,
     RunFailed,
-    RunStatistics,
-    Sample,
 )
 from coupling.potential_step import PotentialStep
 from coupling.results import ResultsWriter, read_results
+from coupling.run_record import RunStatistics, Sample
 from coupling.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
 from coupling.scene import Scene, load_scene, scene_toml, write_scene
 from coupling.schemes import scheme_named

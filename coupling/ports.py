@@ -7,7 +7,7 @@ so that a participant, a fluid or a scheme can be replaced without touching the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -248,68 +248,3 @@ class Scheme(Protocol):
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sample:
-    """One instant of a run, as it goes into the results (tank frame, SI).
-
-    Shapes: ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``, ``moment``
-    (3,); ``position`` (n, 3); ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and
-    p* with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
-    ``self_slip`` (n,) [m]. ``force`` [N] and ``moment`` [N m] act on tank and
-    diaphragm, about the tank's centre. ``metrics``: further scalars by name (``speed_max``,
-    ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample of a run.
-    """
-
-    time: float
-    tank_acceleration: Array
-    tank_displacement: Array
-    position: Array
-    pressure: Array
-    dynamic_pressure: Array
-    strain: Array
-    tension: Array
-    shell_slip: Array
-    self_slip: Array
-    volume: float
-    datum_pressure: float
-    liquid_cg: Array
-    force: Array
-    moment: Array
-    iterations: int
-    residual: float
-    metrics: Mapping[str, float] = field(default_factory=dict)
-
-
-@dataclass(kw_only=True)
-class RunStatistics:
-    """What a run counts as it goes; becomes part of ``summary.json``.
-
-    Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
-    whether the flow's solver stayed alive or was restarted; ``settle_change`` [m]: rms motion that
-    the last pseudo-step of settling left.
-    """
-
-    steps: int = 0
-    simulated_s: float = 0.0
-    wall_s: float = 0.0
-    wall_by_part: dict[str, float] = field(
-        default_factory=lambda: {"structure": 0.0, "fluid": 0.0, "mapping": 0.0, "output": 0.0}
-    )
-    strain_tensile_max: float = 0.0
-    tension_max: float = 0.0
-    stress_max: float = 0.0
-    volume_error_max: float = 0.0
-    iterations_total: int = 0
-    iterations_max: int = 0
-    unconverged_steps: int = 0
-    flow_solver: str | None = None
-    settle_change: float | None = None
-    halved_steps: int = 0
-    speed_max: float | None = None
-    dphi_dt_max: float | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values, for the checkpoint."""
-        return dict(vars(self))

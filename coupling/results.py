@@ -18,7 +18,8 @@ import numpy as np
 from coupling import results_layout as layout
 from coupling import xdmf
 from coupling.atomic import replacing, write_text
-from coupling.ports import Array, Ints, RunFailed, Sample
+from coupling.ports import Array, Ints, RunFailed
+from coupling.run_record import Sample
 
 FILE = "results.h5"
 XDMF_FILE = "results.xdmf"

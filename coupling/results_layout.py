@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from coupling import xdmf
-from coupling.ports import Array, Ints, Sample
+from coupling.ports import Array, Ints
+from coupling.run_record import Sample
 
 SCHEMA = "diaphragm-tank results 1"
 

@@ -15,8 +15,8 @@ from coupling.ports import (
     HydrostaticLoad,
     Ints,
     LiquidSample,
-    Sample,
 )
+from coupling.run_record import Sample
 from coupling.structure import liquid_cg
 
 LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy", "wall_slip")

@@ -6,7 +6,8 @@ import logging
 from time import perf_counter
 
 from coupling.coupled_step import StepOutcome
-from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed, RunStatistics
+from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
+from coupling.run_record import RunStatistics
 from coupling.scene import Scene
 
 _log = logging.getLogger(__name__)

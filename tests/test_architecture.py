@@ -23,9 +23,16 @@ FORBIDDEN = [
     ("coupling.results", "coupling.metrics"),
     ("coupling.driver", "coupling.study"),
     ("coupling.ports", "cloth"),
+    ("coupling.run_record", "cloth"),
     *[
         (early, late)
-        for early in ("coupling.scene", "coupling.motion", "coupling.ports", "coupling.schemes")
+        for early in (
+            "coupling.scene",
+            "coupling.motion",
+            "coupling.ports",
+            "coupling.run_record",
+            "coupling.schemes",
+        )
         for late in ("coupling.driver", "coupling.fluids", "coupling.foam", "coupling.results")
     ],
     *[

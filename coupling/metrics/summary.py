@@ -19,8 +19,9 @@ from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_perio
 from coupling.metrics.rubs import rub
 from coupling.metrics.transfer import tank_phasor, transfer
 from coupling.metrics.viscosity import layer_resolution
-from coupling.ports import Array, RunStatistics
+from coupling.ports import Array
 from coupling.results import Results
+from coupling.run_record import RunStatistics
 from coupling.scene import Scene
 from coupling.strength import stress_estimate
 

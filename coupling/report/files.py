@@ -12,8 +12,9 @@ import numpy as np
 from coupling.iteration_log import read_iterations
 from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.summary import summarise
-from coupling.ports import Array, RunStatistics
+from coupling.ports import Array
 from coupling.results import Results, read_results
+from coupling.run_record import RunStatistics
 from coupling.scene import Scene, load_scene
 
 

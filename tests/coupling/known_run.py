@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import Delaunay
 
-from coupling.ports import Array, Ints, RunStatistics, Sample
+from coupling.ports import Array, Ints
 from coupling.results import ResultsWriter
+from coupling.run_record import RunStatistics, Sample
 from coupling.scene import Scene, scene_from
 
 RADIUS, FREQUENCY, AMPLITUDE, DENSITY, GRAVITY = 0.4, 1.25, 0.1, 1000.0, 9.81

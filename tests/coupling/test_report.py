@@ -18,7 +18,7 @@ from matplotlib.image import imread
 
 from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
-from coupling.ports import Array, RunStatistics
+from coupling.ports import Array
 from coupling.report import render_picture, write_report
 from coupling.report.bernoulli_tables import bernoulli_table, split_table
 from coupling.report.energy_section import energy_section
@@ -30,6 +30,7 @@ from coupling.report.run_report import run_page
 from coupling.report.scene_table import quality_table, rubber_table
 from coupling.report.section_cut import cut
 from coupling.results import ResultsWriter, read_results
+from coupling.run_record import RunStatistics
 from coupling.scene import Scene, scene_toml
 
 

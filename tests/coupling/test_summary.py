@@ -13,9 +13,9 @@ import pytest
 
 from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
-from coupling.ports import RunStatistics
 from coupling.results import Results, read_results
 from coupling.results_layout import FIELDS
+from coupling.run_record import RunStatistics
 from coupling.strength import stress_estimate
 
 
