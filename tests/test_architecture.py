@@ -19,9 +19,13 @@ FORBIDDEN = [
     ("coupling.fluids", "coupling.structure"),
     ("coupling.metrics", "coupling.driver"),
     ("coupling.report", "coupling.driver"),
+    ("coupling.metrics", "coupling.participants"),
+    ("coupling.report", "coupling.participants"),
     ("coupling.metrics", "coupling.report"),
     ("coupling.results", "coupling.metrics"),
     ("coupling.driver", "coupling.study"),
+    ("coupling.participants", "coupling.driver"),
+    ("coupling.participants", "coupling.results"),
     ("coupling.ports", "cloth"),
     ("coupling.run_record", "cloth"),
     *[
@@ -33,7 +37,13 @@ FORBIDDEN = [
             "coupling.run_record",
             "coupling.schemes",
         )
-        for late in ("coupling.driver", "coupling.fluids", "coupling.foam", "coupling.results")
+        for late in (
+            "coupling.driver",
+            "coupling.participants",
+            "coupling.fluids",
+            "coupling.foam",
+            "coupling.results",
+        )
     ],
     *[
         (part, "coupling.cli")

@@ -1,0 +1,186 @@
+"""The two sides of a scene's interface, and the step that couples them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from coupling.convergence import Convergence
+from coupling.coupled_step import CoupledStep
+from coupling.energy import Instant, instant_of
+from coupling.liquid import flow_of, load_model, potential_of, start_flow
+from coupling.motion import motion_of
+from coupling.ports import AnyArray, FlowSample, HydrostaticLoad, LiquidSample
+from coupling.potential_step import PotentialStep
+from coupling.run_record import Sample
+from coupling.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
+from coupling.scene import Scene
+from coupling.schemes import scheme_named
+from coupling.structure import DryStep, advance, diaphragm_of, settle_diaphragm
+from coupling.tally import Tally
+
+Record = Callable[[float, int, float, float], None]
+_log = logging.getLogger(__name__)
+
+
+class Participants:
+    """Diaphragm and liquid of ``scene``: settled, coupled, stepped, sampled and saved together.
+
+    First ``start`` or ``restore``, then ``advance``. A flow's files go to ``folder``; ``tally``
+    counts what is done and how long it takes.
+    """
+
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        self.scene, self.folder = scene, folder
+        self.motion = motion_of(scene)
+        self.model = load_model(scene)
+        self.cloth = diaphragm_of(scene)
+        self.tally = Tally(scene, self.cloth.thickness)
+        self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
+
+    def settle(self) -> None:
+        """Bring the diaphragm to rest at its level. Raises ``RunFailed`` where it finds none."""
+        clock = perf_counter()
+        self.tally.statistics.settle_change = settle_diaphragm(
+            self.cloth, self.scene, self.load(0.0, at_rest=True)
+        )
+        self.tally.seconds("structure", clock)
+
+    def start(self, record: Record) -> None:
+        """Couple the liquid, at rest, to the settled diaphragm.
+
+        ``record`` is told of every coupling iteration, as ``CoupledStep`` has it.
+        """
+        self._couple(record)
+        if isinstance(self.step, CoupledStep):
+            clock = perf_counter()
+            start_flow(self.flow, self.mapping, self.scene, self.cloth)
+            self.tally.seconds("fluid", clock)
+
+    def restore(self, saved: Mapping[str, Mapping[str, AnyArray]], record: Record) -> None:
+        """The reverse of ``save``, in place of ``settle`` and ``start``."""
+        self.cloth.restore(saved["settled"])
+        self.cloth.held = self.scene.diaphragm.held
+        self._couple(record)
+        self.cloth.restore(saved["structure"])
+        if isinstance(self.step, CoupledStep):
+            self.flow.restore(saved["flow"])
+            self.step.scheme.restore(saved.get("scheme", {}))
+        if not isinstance(self.step, DryStep):
+            self.step.restore(saved.get("coupled", {}))
+
+    def _couple(self, record: Record) -> None:
+        """Build the liquid and the coupling for the settled diaphragm, where the liquid moves."""
+        self.settled = self.cloth.save()
+        scene = self.scene
+        if scene.model.fluid == "potential":
+            self.step = PotentialStep(
+                self.cloth, potential_of(scene, self.cloth), radius=scene.tank.radius
+            )
+        if scene.model.fluid != "openfoam":
+            return
+        self.flow, self.mapping = flow_of(scene, self.folder, self.cloth)
+        self.tally.statistics.flow_solver = self.flow.case.solver
+        _log.info("flow solver: %s", self.flow.case.solver)
+        scheme, added_mass = scheme_named(
+            scene.coupling.scheme, relaxation=scene.coupling.relaxation, reuse=scene.coupling.reuse
+        )
+        floor = float(np.linalg.norm(scene.gravity)) * scene.time.step**2
+        self.step = CoupledStep(
+            self.cloth, self.flow, self.mapping, scheme, added_mass=added_mass,
+            convergence=Convergence(tolerance=scene.coupling.tolerance, floor=floor),
+            max_iterations=scene.coupling.max_iterations, record=record,
+        )  # fmt: skip
+
+    def advance(self, now: float, after: float) -> tuple[LiquidSample | None, int, float]:
+        """One step from ``now`` to ``after`` [s]: the liquid's sample, iterations, residual.
+
+        Raises ``RunFailed`` when too many steps did not converge.
+        """
+        if isinstance(self.step, CoupledStep):
+            return self._advance_coupled(self.step, now, after)
+        dt, tally, step = self.scene.time.step, self.tally, self.step
+        clock = perf_counter()
+        parts = advance(step, now, dt, self.load)
+        tally.seconds("structure", clock)
+        state = self.cloth.state
+        tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
+        tally.structure(after, state, converged=self.cloth.converged, steps=parts)
+        if isinstance(step, DryStep):
+            return None, 1, 0.0
+        sample, shapes, residual = step.told()
+        tally.statistics.wall_by_part["structure"] -= step.wall
+        tally.statistics.wall_by_part["fluid"] += step.wall
+        step.wall = 0.0
+        tally.liquid(sample, shapes)
+        return sample, shapes, residual
+
+    def _advance_coupled(
+        self, step: CoupledStep, now: float, after: float
+    ) -> tuple[FlowSample, int, float]:
+        outcome = step.advance(now, self.scene.time.step, self.load(after))
+        for part, seconds in step.wall.items():
+            self.tally.statistics.wall_by_part[part] += seconds
+            step.wall[part] = 0.0
+        self.tally.coupling(after, outcome)
+        self.tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=1)
+        return outcome.sample, outcome.iterations, outcome.residual
+
+    def load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:
+        """The liquid's load at ``time`` [s]; ``at_rest``: while the tank does not move."""
+        shaking = np.zeros(3) if at_rest else self.motion.acceleration(time)
+        return self.model.load(np.asarray(self.scene.gravity) - shaking)
+
+    def instant(self, time: float, liquid: LiquidSample | None) -> Instant:
+        """What the energy balance needs to know of the committed state at ``time`` [s]."""
+        return instant_of(self.cloth, self.cloth.state, self.load(time), liquid, self.scene)
+
+    def sample(
+        self,
+        time: float,
+        liquid: LiquidSample | None,
+        iterations: int,
+        residual: float,
+        metrics: dict[str, float],
+    ) -> Sample:
+        """Results of the committed state at ``time`` [s], with ``metrics`` among its own."""
+        state = self.cloth.state
+        pressures = still(len(state.position))
+        if isinstance(self.step, PotentialStep):
+            metrics = (
+                metrics | liquid_metrics(liquid) | {"energy_removed": self.step.energy_removed}
+            )
+            if liquid is not None:
+                pressures = at_nodes(liquid, self.step.liquid.to_nodes(state.position).dot)
+        elif isinstance(self.step, CoupledStep):
+            assert liquid is None or isinstance(liquid, FlowSample)
+            metrics = metrics | flow_metrics(liquid, self.flow.non_orthogonality_max)
+            if liquid is not None:
+                pressures = at_nodes(liquid, self.mapping.to_nodes)
+        return sample_at(
+            time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
+            load=self.load(time, at_rest=time == 0.0), gravity=np.asarray(self.scene.gravity),
+            displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
+            iterations=iterations, residual=residual, metrics=metrics,
+        )  # fmt: skip
+
+    def save(self) -> dict[str, dict[str, AnyArray]]:
+        """Everything ``restore`` needs to go on bit for bit."""
+        saved: dict[str, dict[str, AnyArray]] = {
+            "settled": self.settled, "structure": self.cloth.save(),
+        }  # fmt: skip
+        if isinstance(self.step, CoupledStep):
+            saved["flow"] = self.flow.save()
+            saved["scheme"] = self.step.scheme.save()
+        if not isinstance(self.step, DryStep):
+            saved["coupled"] = self.step.save()
+        return saved
+
+    def close(self) -> None:
+        """End a flow's solver."""
+        if isinstance(self.step, CoupledStep):
+            self.flow.close()
