@@ -1,8 +1,8 @@
 """What to simulate: a scene, read from TOML, checked as a whole, immutable.
 
-The sections stand in ``scene_sections`` and ``scene_numerics``, what concerns more than one of them
-in ``scene_checks``; here they are put together, read and written. A ``Scene`` that exists is valid,
-its tables included.
+The sections stand in ``scene_sections``, ``scene_diaphragm`` and ``scene_numerics``, what concerns
+more than one of them in ``scene_checks``; here they are put together, read and written. A ``Scene``
+that exists is valid, its tables included.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from coupling.scene_checks import problems_between
+from coupling.scene_diaphragm import Diaphragm
 from coupling.scene_errors import SceneError, problems_of
 from coupling.scene_numerics import Cloth, Coupling, OpenFoam, Potential, Time
 from coupling.scene_periods import in_seconds
-from coupling.scene_sections import Diaphragm, Liquid, Model, Motion, Section, Tank, Vector
+from coupling.scene_sections import Liquid, Model, Motion, Section, Tank, Vector
 from coupling.scene_source import SCENE_FILE, apply_override, read_toml, scene_file
 
 __all__ = [

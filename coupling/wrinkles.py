@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from coupling.ports import Array
+from coupling.scene_diaphragm import Diaphragm
 from coupling.scene_numerics import Cloth
-from coupling.scene_sections import Diaphragm, Liquid
+from coupling.scene_sections import Liquid
 
 CELLS_A_WAVELENGTH = 10  # from where on a grid carries a wave's bending; a rule, not a bound
 
