@@ -69,8 +69,9 @@ def sweep(
     """
     chosen = chosen_models(models)
     plan = plan_sweep(scene_path, changes or (), [parse_axis(text) for text in over], chosen)
-    for point in plan.points[:1]:
-        need_openfoam(next(iter(point.scenes.values())), chosen)
+    for point in plan.points:
+        for model, scene in point.scenes.items():
+            need_openfoam(scene, [model])
     folder = output or default_folder(scene_path, "-sweep")
     prepare_folder(folder, force=force, study=SWEEP_FILES)
     from coupling.sweep import run_sweep

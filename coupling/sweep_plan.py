@@ -122,13 +122,18 @@ def plan_sweep(
     Raises
     ------
     SweepError
-        No axis, one key on two axes, or two values that give the same folder.
+        No axis, one key on two axes, the model as an axis, or two values that give the same folder.
     SceneError
         A point's scene is invalid: each different problem once, with the first point that has it.
     """
     keys = [axis.key for axis in axes]
     if not keys or len(set(keys)) < len(keys):
         raise SweepError(f"--over: must be given, and once for each key. {_MEND}")
+    if "model.fluid" in keys:
+        raise SweepError(
+            "--over model.fluid: every point runs on all models. "
+            "Name them instead, such as --models hydrostatic,openfoam."
+        )
     points: list[Point] = []
     problems: dict[str, str] = {}
     for combined in itertools.product(*(axis.values for axis in axes)):

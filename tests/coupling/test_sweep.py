@@ -270,6 +270,22 @@ def test_wrong_inputs_start_nothing(path: Path, tmp_path: Path) -> None:
     assert "/no/solver" in refused(*good, *found)
 
 
+def test_a_later_point_without_its_solver_starts_nothing(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first point's solver is there: a program, and OpenFOAM's folder about it."""
+    (tmp_path / "etc").mkdir()
+    (tmp_path / "etc" / "controlDict").touch()
+    monkeypatch.setenv("WM_PROJECT_DIR", str(tmp_path))
+    folder = tmp_path / "sweep"
+    over = f"openfoam.command={sys.executable},/no/solver"
+    words = [path, "--over", over, "--models", "hydrostatic,openfoam", "-o", folder]
+    result = CliRunner().invoke(app, ["sweep", *map(str, words)])
+    assert "no program '/no/solver'" in " ".join(result.output.split())
+    assert result.exit_code == 2
+    assert not folder.exists()
+
+
 def test_no_verb_but_a_sweep_that_runs_imports_dask() -> None:
     code = (
         "import sys, coupling.cli, coupling.driver, coupling.study, coupling.sweep;"

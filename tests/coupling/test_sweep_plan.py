@@ -115,6 +115,8 @@ def test_what_cannot_be_a_grid_is_refused(path: Path) -> None:
     for axes in ([], both):
         with pytest.raises(SweepError, match="must be given, and once for each key"):
             plan_sweep(path, (), axes, ("hydrostatic", "potential"))
+    with pytest.raises(SweepError, match=r"--over model\.fluid: .* all models\. Name them"):
+        plan_sweep(path, (), [parse_axis("model.fluid=datum,openfoam")], ("datum", "potential"))
     with pytest.raises(SceneError, match=r"unknown key\. Did you mean frequency\?"):
         plan_sweep(path, (), [parse_axis("motion.freqency=1,2")], ("hydrostatic", "potential"))
     with pytest.raises(SweepError, match="would share the folder title_a-b"):
