@@ -7,6 +7,7 @@ from pathlib import Path
 
 import known_run as run
 import pytest
+from small_scene import SMALL
 
 from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
@@ -97,21 +98,8 @@ def test_the_less_resolved_scenes_keep_the_instants_of_output() -> None:
     assert cloth.openfoam == scene.openfoam
 
 
-SCENE = """
-title = "Small and slow"
-[tank]
-radius = 0.2
-[diaphragm]
-material = "AF-E-332"
-thickness = 0.0018
-[liquid]
-name = "water"
-fill_fraction = 0.8
-[motion]
-kind = "sine"
-frequency = 2.0
-amplitude = 0.002
-[cloth]
+SCENE = f"""\
+{SMALL}[cloth]
 resolution = 6
 [time]
 settle = 0.5

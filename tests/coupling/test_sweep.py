@@ -16,6 +16,7 @@ from pathlib import Path
 import dask
 import psutil
 import pytest
+from small_scene import SMALL
 from typer.testing import CliRunner
 
 from coupling.cli import app
@@ -26,21 +27,8 @@ from coupling.sweep import run_sweep
 from coupling.sweep_plan import Plan, SweepError, parse_axis, plan_sweep
 from coupling.sweep_workers import local_workers, outcome_of
 
-SCENE = """
-title = "Small and slow"
-[tank]
-radius = 0.2
-[diaphragm]
-material = "AF-E-332"
-thickness = 0.0018
-[liquid]
-name = "water"
-fill_fraction = 0.8
-[motion]
-kind = "sine"
-frequency = 2.0
-amplitude = 0.002
-ramp = 0.0
+SCENE = f"""\
+{SMALL}ramp = 0.0
 [cloth]
 resolution = 5
 iterations = 4

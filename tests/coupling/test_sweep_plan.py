@@ -6,24 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_scene import SMALL
 
 from coupling.scene import SceneError
 from coupling.sweep_plan import Axis, SweepError, parse_axis, plan_sweep
 
-SCENE = """
-[tank]
-radius = 0.2
-[diaphragm]
-material = "AF-E-332"
-thickness = 0.0018
-[liquid]
-name = "water"
-fill_fraction = 0.8
-[motion]
-kind = "sine"
-frequency = 2.0
-amplitude = 0.002
-[time]
+SCENE = f"""\
+{SMALL}[time]
 periods = 2
 steps_per_period = 30
 """
