@@ -16,10 +16,11 @@ import numpy as np
 from coupling.model_errors import DATA, read_rows
 
 MARKS = {"hydrostatic": "o", "potential": "^"}
+PICTURE = Path(__file__).with_name("errors.png")
 
 
-def main() -> None:
-    """Draw it."""
+def main(picture: Path = PICTURE) -> None:
+    """Draw it into ``picture``."""
     rows = read_rows((files("coupling") / DATA).read_text(encoding="utf-8").splitlines())
     figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
     for model, mark in MARKS.items():
@@ -39,7 +40,7 @@ def main() -> None:
     axes.legend(loc="upper left")
     bar = figure.colorbar(drawn, label="largest acceleration over gravity")
     bar.set_ticks(np.log10([0.025, 0.1, 0.4, 1.6]), labels=["0.025", "0.1", "0.4", "1.6"])
-    figure.savefig(Path(__file__).with_name("errors.png"), dpi=110)
+    figure.savefig(picture, dpi=110)
 
 
 if __name__ == "__main__":
