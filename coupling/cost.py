@@ -9,6 +9,7 @@ the step by a quarter, and how many it will be is not asked.
 from __future__ import annotations
 
 from cloth.load import DRY, WET
+from coupling.foam.mesh import cells_made
 from coupling.scene import Scene
 
 _CLOTH_ITERATION = 6e-4  # an inner iteration of 24 rings, a step's overhead spread over ten
@@ -16,8 +17,9 @@ _SETTLING = 8000  # inner iterations of a settling
 _POTENTIAL = 30  # what a potential adds to a step, in inner iterations
 _COUPLED_SOLVES = 3.0  # of the cloth in a coupled step
 _COUPLED_ROWS = 120  # what the rows of a flow's added mass add to it, in inner iterations
-_ADDED_MASS, _GROWTH = 0.05, 1.6  # of a flow on 1300 cells, by a sparse factor; its growth
-_FLOW_SOLVES = 0.045  # of a flow on 1300 cells, in a step
+_CELLS = 1216  # that the next two are for
+_ADDED_MASS, _GROWTH = 0.05, 1.6  # by a sparse factor; its growth with the cells
+_FLOW_SOLVES = 0.045  # in a step
 
 
 def step_cost(scene: Scene, fluid: str) -> float:
@@ -32,7 +34,7 @@ def step_cost(scene: Scene, fluid: str) -> float:
     if fluid != "openfoam":
         return inner * (stated or DRY.iterations)
     cloth = inner * (_COUPLED_SOLVES * (stated or WET.iterations) + _COUPLED_ROWS)
-    size = scene.openfoam.cells / 1300.0
+    size = cells_made(scene.openfoam.cells) / _CELLS
     return float(cloth + _ADDED_MASS * size**_GROWTH + _FLOW_SOLVES * size)
 
 

@@ -84,7 +84,11 @@ class OpenFoam(Section):
     command: str = Field(
         default="pimpleFoam", min_length=1, description="solver: a name on PATH or a path"
     )
-    cells: int = Field(default=1300, ge=64, description="approximate number of cells, 64 or more")
+    cells: int = Field(
+        default=1300,
+        ge=64,
+        description="cells of the mesh, at most: it has 176, 540, 1216, 2300, 4320, 6664, 9728 ...",
+    )
     keep_alive: bool = Field(
         default=True,
         description="value false to restart the stock solver every iteration, also where the one "

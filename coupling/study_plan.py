@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cloth.thesis.grid import SIZE
+from coupling.foam.mesh import cells_halved, cells_made
 from coupling.metrics.uncertainty import FLOW_ORDER, SHEET_ORDER, STEP_ORDER
 from coupling.scene import Scene, with_overrides
 from coupling.scene_sections import LADDER
@@ -82,11 +83,12 @@ def less_resolved(entries: Iterable[Entry]) -> list[Entry]:
 def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     """The scene with half the cells, and with the doubled step; the output's instants stay.
 
-    Half the cells are half the flow's cells where there is a flow, else half the diaphragm's
-    triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it has no other.
+    Half the cells are the flow's where there is one, as near as its meshes come to that, else half
+    the diaphragm's triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it
+    has no other.
     """
     if scene.model.fluid == "openfoam":
-        grid = _with(scene, "openfoam", cells=max(64, scene.openfoam.cells // 2))
+        grid = _with(scene, "openfoam", cells=cells_halved(scene.openfoam.cells))
     else:
         grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
     if scene.cloth.grid == "thesis":
@@ -111,7 +113,8 @@ def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
     """By which factor the less resolved runs are coarser, and the order taken for the error."""
     grid = coarser_scenes(scene)[COARSER]
     if scene.model.fluid == "openfoam":
-        coarser = (scene.openfoam.cells / grid.openfoam.cells) ** (1.0 / 3.0), FLOW_ORDER
+        fewer = cells_made(scene.openfoam.cells) / cells_made(grid.openfoam.cells)
+        coarser = fewer ** (1.0 / 3.0), FLOW_ORDER
     else:
         coarser = scene.cloth.resolution / grid.cloth.resolution, SHEET_ORDER
     return {COARSER: coarser, DOUBLED: (2.0, STEP_ORDER)}

@@ -8,6 +8,7 @@ the diaphragm moves is the business of ``free_patch`` and ``following``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -96,18 +97,31 @@ def half_ball(cells: int) -> LiquidMesh:
     return assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
 
 
+def cells_made(cells: int) -> int:
+    """How many cells ``half_ball(cells)`` has."""
+    return _size(_divisions(cells)[0])
+
+
+def cells_halved(cells: int) -> int:
+    """Cells of the coarser half ball that comes nearest to half those of ``half_ball(cells)``."""
+    n = _divisions(cells)[0]
+    coarser = [_size(k) for k in range(2, n, 2)] or [_size(n)]
+    return min(coarser, key=lambda size: abs(math.log(2.0 * size / _size(n))))
+
+
 def _divisions(cells: int) -> tuple[int, int]:
-    """n and m = 0.65 n of the finest mesh with (n^3 + 6 n^2 m) / 2 <= ``cells``."""
-
-    def size(n: int) -> int:
-        return (n**3 + 6 * n * n * round(LAYERS * n)) // 2
-
+    """n and m = 0.65 n of the finest mesh of at most ``cells``."""
     n = 2
-    if size(n) > cells:
-        raise ValueError(f"the coarsest mesh has {size(n)} cells, got {cells}")
-    while size(n + 2) <= cells:
+    if _size(n) > cells:
+        raise ValueError(f"the coarsest mesh has {_size(n)} cells, got {cells}")
+    while _size(n + 2) <= cells:
         n += 2
     return n, round(LAYERS * n)
+
+
+def _size(n: int) -> int:
+    """Cells (n^3 + 6 n^2 m) / 2 of half the wrapped cube."""
+    return (n**3 + 6 * n * n * round(LAYERS * n)) // 2
 
 
 def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from coupling.foam.mesh import cells_made
 from coupling.numbers import numbers_of
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
@@ -19,6 +20,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
         "table": f"table {motion.file}",
         "rest": "none",
     }[motion.kind]
+    flow = cells_made(scene.openfoam.cells) if scene.model.fluid == "openfoam" else "none"
     rows = [
         ["Tank radius", number(1e3 * scene.tank.radius, "mm", 4)],
         ["Fill fraction", number(liquid.fill_fraction)],
@@ -33,7 +35,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
         ["Shaking", shaking],
         ["Step, duration", f"{number(1e3 * time.step, 'ms')}, {number(time.duration, 's')}"],
         ["Fluid model", scene.model.fluid],
-        ["Cloth rings; flow cells", f"{scene.cloth.resolution}; {scene.openfoam.cells}"],
+        ["Cloth rings; flow cells", f"{scene.cloth.resolution}; {flow}"],
     ]
     numbers = numbers_of(scene)
     derived = [

@@ -11,7 +11,7 @@ from coupling.foam.geometry import (
     non_orthogonality,
     swept_volumes,
 )
-from coupling.foam.mesh import half_ball
+from coupling.foam.mesh import cells_halved, cells_made, half_ball
 
 
 def deformed(points):
@@ -115,3 +115,10 @@ def test_non_orthogonality_of_a_slanted_pair():
     sheared = mesh.points.copy()
     sheared[:, 0] += np.tan(np.radians(50)) * mesh.points[:, 2]
     assert non_orthogonality(mesh, cell_geometry(mesh, sheared)).max() > 50.0
+
+
+def test_the_cells_of_a_mesh_are_known_before_it_is_made():
+    for asked in (64, 176, 650, 1215, 1216, 2000, 2300, 9727):
+        assert cells_made(asked) == half_ball(asked).cells
+    # Half of 1216 lies nearer to 540 than to 176, of 2300 to 1216, of 4320 to 2300.
+    assert [cells_halved(asked) for asked in (1300, 2400, 5000)] == [540, 1216, 2300]
