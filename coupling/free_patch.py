@@ -11,6 +11,7 @@ Interpolation alone would lose volume where the patch is coarser than the sheet'
 it in the strip between a fixed rim and the points next to it. Within a step every node therefore
 displaces exactly the volume that its own triangles sweep: what interpolation misses lifts the patch
 beside it, and at the rim climbs the shell. In return a node bears the pressure on its own area.
+Only where faces are pressed together, at the bottom of a crease, is it less of both.
 """
 
 from __future__ import annotations
@@ -33,10 +34,12 @@ from coupling.structure import liquid_cg
 
 WEDGE = math.tan(math.radians(15.0))  # least slope of the liquid's edge
 STEEP = 0.25  # sine of the least angle at which the rim opens the liquid, about the wedge's
+SMALLEST = 0.5  # over the median inside: area that a point inside has to be lifted by, at least
 FILM = 0.02  # over R: the wedge's greatest depth
 LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
-ROUNDS = 20  # of smoothing, at most
+ROUNDS = 60  # of smoothing, at most
 FLAT, CREASED = 0.99, 0.9  # mean normal round a point: where rounding sets in, where it is full
+OPEN, SHARP = 0.5, 0.2  # least sine of the corners round a point: likewise
 INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
 
 
@@ -104,13 +107,18 @@ class FreePatch:
     def _round(self, points: Array) -> None:
         """Round sharp creases of ``points`` (p, 3) [m], and of the weights with them.
 
-        A point gives way to the mean of its neighbours, the more the sharper the crease.
+        A point gives way to the mean of its neighbours, the more the sharper the crease, or a
+        corner of a face where the bottom of a crease has been pressed together.
         """
         for _ in range(ROUNDS):
-            area = face_centres_and_areas(points[self.mesh.patch_faces])[1]
-            area /= np.linalg.norm(area, axis=1)[:, None]
-            flat = np.linalg.norm(self._around @ area, axis=1)  # 1, or less at a crease
-            share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0) ** 2
+            corners = points[self.mesh.patch_faces]
+            normal = face_centres_and_areas(corners)[1]
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            flat = np.linalg.norm(self._around @ normal, axis=1)  # 1, or less at a crease
+            share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0)
+            least = np.ones(len(points))
+            np.minimum.at(least, self.mesh.patch_faces, least_sine(corners, normal)[:, None])
+            share = np.maximum(share, np.clip((OPEN - least) / (OPEN - SHARP), 0.0, 1.0)) ** 2
             creased = np.flatnonzero(np.where(self.mesh.rim, 0.0, share))
             if len(creased) == 0:
                 break
@@ -173,6 +181,9 @@ class FreePatch:
         way[self._rim] = points[self._rim] - shell[self._below]
         self._way = way / np.linalg.norm(way, axis=1)[:, None]
         flattest = STEEP * np.linalg.norm(area, axis=1)
+        flattest[~self.mesh.rim] = SMALLEST * np.median(
+            np.linalg.norm(area[~self.mesh.rim], axis=1)
+        )
         self._opened = np.maximum(np.einsum("px,px->p", area, self._way), flattest)
         self._missed = own - self.weights.T @ area
         self._shares = moving_least_squares(self.moulded, self.free.within(self._moulded, 1.0))
@@ -188,6 +199,17 @@ class FreePatch:
             centre /= np.linalg.norm(centre, axis=1)[:, None]
             self._values = moving_least_squares(centre, self.free.within(self._moulded, INSET))
         return self._values @ values
+
+
+def least_sine(corners: Array, normal: Array) -> Array:
+    """Least sine (F,) of the angles of faces with ``corners`` (F, 4, 3) about ``normal`` (F, 3).
+
+    Negative where a corner points inward.
+    """
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    size = np.linalg.norm(ahead, axis=2) * np.linalg.norm(behind, axis=2)
+    sine = np.einsum("fkx,fx->fk", cross(ahead, behind), normal) / np.maximum(size, 1e-30)
+    return np.asarray(sine.min(axis=1))
 
 
 @compiled

@@ -20,6 +20,7 @@ from coupling.ports import Array, Ints, RunFailed
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
 BETTER = 5.0  # degrees that a new mesh must gain
+DEPTH, EDGE = 0.01, 0.1  # over R: least depth below the shell; it rises so from the patch's rim
 
 _log = logging.getLogger(__name__)
 
@@ -38,6 +39,9 @@ class FollowingMesh:
         self._boundary: Ints = mesh.faces[mesh.inner_faces :]
         self._elastic = ElasticMesh(mesh, radius)
         self._reference = radius * mesh.points
+        reach = np.linalg.norm(mesh.points[mesh.patch_points][:, :2], axis=1)
+        depth = np.minimum(DEPTH, EDGE * (1.0 - reach))
+        self._farthest = np.where(mesh.rim, np.inf, radius * (1.0 - depth))
 
     def raised(self, shell: Array, patch: Array, volume: float) -> Array:
         """``shell`` (s, 3) times what makes it hold ``volume`` [m^3] below ``patch`` (p, 3) [m]."""
@@ -98,8 +102,10 @@ class FollowingMesh:
     def follow(self, patch: Array, moment: str) -> Array:
         """Let the step end at ``patch`` (p, 3) [m]; volumes (B,) [m^3] its boundary faces sweep.
 
+        What of it lies beyond the shell, where a linear map may throw it in a slam, stays inside.
         Raises ``RunFailed`` where no mesh is found; ``moment`` says when.
         """
+        patch = self._inside(patch)
         outline = self._outline(patch)
         if self._base is not None:
             points = self._elastic.follow(self._base, outline)
@@ -109,6 +115,13 @@ class FollowingMesh:
             self._base = points
         self.points_now, self.geometry_now, self._patch_now = points, geometry, patch
         return swept_volumes(self.points[self._boundary], points[self._boundary])
+
+    def _inside(self, patch: Array) -> Array:
+        """``patch`` (p, 3) [m] but for points beyond the shell, of the same volume."""
+        distance = np.linalg.norm(patch, axis=1)
+        if not (distance > self._farthest).any():
+            return patch
+        return self.close_volume(patch * np.minimum(1.0, self._farthest / distance)[:, None])
 
     def accept_step(self) -> None:
         """Commit where the last call of ``follow`` led."""

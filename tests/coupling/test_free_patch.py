@@ -9,7 +9,7 @@ from cloth.mesh import hemisphere
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import face_centres_and_areas
 from coupling.foam.mesh import half_ball
-from coupling.free_patch import ROUNDS, FreePatch, give_way
+from coupling.free_patch import ROUNDS, FreePatch, give_way, least_sine
 from coupling.interface import cross, pressure_force, swept_gradient
 from coupling.numbers import level_of_fill_fraction
 
@@ -194,6 +194,38 @@ def test_a_crease_is_rounded(sheet, mesh, monkeypatch):
         skewed.append(following.non_orthogonality_max)
     assert skewed[1] < skewed[0] - 5.0
     assert skewed[1] < 25.0
+
+
+def test_least_sine_of_a_square_a_lozenge_and_a_dart():
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    lozenge = [(0, 0), (2, 0), (2 + np.sqrt(3), 1), (np.sqrt(3), 1)]  # of 30 degrees
+    dart = [(0, 0), (1, 1), (0, 3), (0.5, 1)]  # the last corner points inward
+    corners = np.pad(np.array([square, lozenge, dart], dtype=float), ((0, 0), (0, 0), (0, 1)))
+    upward = np.tile([0.0, 0.0, 1.0], (3, 1))
+    assert least_sine(corners, upward)[:2] == pytest.approx([1.0, 0.5])
+    assert least_sine(corners, upward)[2] < 0.0
+
+
+def test_a_patch_thrown_through_the_shell_stays_inside(sheet, mesh):
+    """As by a map that goes on linearly in a slam: the row beside the rim, on one side."""
+    state = at_rest(sheet, 0.8)
+    mapping = FreePatch(mesh, sheet, radius=RADIUS)
+    mapping.fit(state, state.volume)
+    shell = mapping.begin_step(state, 0.0)
+    patch = mapping.to_flow(state.position)
+    following = FollowingMesh(mesh, RADIUS)
+    following.place(patch, shell)
+    following.begin_step(None)
+    reach = np.linalg.norm(mesh.points[mesh.patch_points], axis=1)
+    beside = ~mesh.rim & (reach > 0.75) & (patch[:, 0] > 0.6 * patch[:, 0].max())
+    out = patch / np.linalg.norm(patch, axis=1)[:, None]
+    thrown = following.close_volume(np.where(beside[:, None], 1.05 * RADIUS * out, patch))
+    assert np.linalg.norm(thrown, axis=1)[beside].min() > mapping.size * RADIUS
+    swept = following.follow(thrown, "t = 0.01 s")
+    following.accept_step()
+    assert np.linalg.norm(following.patch, axis=1)[~mesh.rim].max() < RADIUS
+    assert following.geometry.volume.min() > 0
+    assert abs(swept.sum()) < 1e-14 * state.volume
 
 
 def test_points_give_way_to_their_neighbours_all_at_once():
