@@ -8,7 +8,7 @@ first harmonic, |c - c_ref|/|c_ref|: amplitude and phase in one number.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -27,7 +27,8 @@ COLUMNS = (
     "model", "reference", "frequency_ratio", "acceleration_ratio", "fill_fraction", "error",
 )  # fmt: skip
 QUANTITIES = ("f/f1", "a/g", "fill fraction")
-QUANTILE = 1.2816  # of the normal distribution: nine in ten lie below
+SHARE = 0.9  # of the data that lie below an upper bound
+_DEGREES = (0, 1, 2)
 _FLOOR = 1e-6  # errors below are the solvers' own noise
 
 
@@ -59,17 +60,44 @@ def coordinates(
     return np.append(np.log10(ratios), fill_fraction)
 
 
+def inertia_left_out(ratio: Array) -> Array:
+    """r^2 at r = f/f1 ``ratio``: error of a liquid without inertia.
+
+    One mass on a damped spring: driven by accelerations it moves by c = c0/(1 - r^2 + i d r), and
+    without its mass and damper by c0; so that |c0 - c|/|c| is r^2 where d is small.
+    """
+    return np.asarray(ratio**2)
+
+
+def inertia_wrong(ratio: Array) -> Array:
+    """r^2/|1 - r^2 + i r|: error of a liquid whose inertia is wrong, per share of that.
+
+    The same mass: r^2/(1 - r^2 + i d r) is the change of log c by that of log m. Half the critical
+    damping, d = 1, as no peak of resonance shows in the data.
+    """
+    return np.asarray(ratio**2 / np.abs(1.0 - ratio**2 + 1j * ratio))
+
+
+Law = Callable[[Array], Array]
+LAWS: Mapping[str, Law] = {
+    "hydrostatic": inertia_left_out,
+    "potential": inertia_wrong,
+    "openfoam": inertia_wrong,
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class ErrorFit:
-    """log10 of an error as a polynomial of a scene's coordinates, by least squares.
+    """An error over its ``law`` in f/f1: log10 of that is a polynomial of a scene's coordinates.
 
-    ``powers`` (k, 3) of the coordinates; ``coefficients`` (k,); ``spread``: rms of what the data
-    miss when each is left out of its own fit; ``low``, ``high`` (3,): range of the data.
+    ``powers`` (k, 3) of the coordinates; ``coefficients`` (k,); ``missed`` (n,): by how much the
+    data lie above a fit that each is left out of; ``low``, ``high`` (3,): range of the data.
     """
 
+    law: Law
     powers: Array
     coefficients: Array
-    spread: float
+    missed: Array
     low: Array
     high: Array
 
@@ -78,35 +106,42 @@ class ErrorFit:
         inside = np.clip(given, self.low, self.high)
         beyond = np.abs(given - inside) > 1e-9 * np.maximum(1.0, np.abs(given))
         log = float(_terms(inside[None], self.powers)[0] @ self.coefficients)
+        expected = float(self.law(10.0 ** inside[0])) * 10.0**log
         return Estimate(
-            expected=float(10.0**log),
-            upper=float(10.0 ** (log + QUANTILE * self.spread)),
+            expected=expected,
+            upper=expected * float(10.0 ** np.quantile(self.missed, SHARE)),
             outside=tuple(name for name, out in zip(QUANTITIES, beyond, strict=True) if out),
         )
 
 
-def fit_errors(rows: Sequence[Measured]) -> ErrorFit:
-    """Fit of ``rows``: of second degree from thirty on, else linear.
+def fit_errors(rows: Sequence[Measured], law: Law) -> ErrorFit:
+    """Least squares fit of ``rows``, of that degree whose left-out data miss least (rms).
 
     ``ValueError`` with fewer than six.
     """
     if len(rows) < 6:
         raise ValueError(f"model errors: a fit takes six rows or more, got {len(rows)}")
-    degree = 2 if len(rows) >= 30 else 1
+    points = np.array([row.coordinates for row in rows])
+    errors = np.maximum([row.error for row in rows], _FLOOR)
+    logs = np.log10(errors / law(10.0 ** points[:, 0]))
+    fits = [_fit(points, logs, degree, law) for degree in _DEGREES]
+    return min(fits, key=lambda fit: float(np.mean(fit.missed**2)))
+
+
+def _fit(points: Array, logs: Array, degree: int, law: Law) -> ErrorFit:
     powers = np.array(
         [p for p in np.ndindex(degree + 1, degree + 1, degree + 1) if sum(p) <= degree], dtype=float
     )
-    points = np.array([row.coordinates for row in rows])
-    logs = np.log10(np.maximum([row.error for row in rows], _FLOOR))
     terms = _terms(points, powers)
     inverse = np.linalg.pinv(terms)
     coefficients = np.asarray(inverse @ logs, dtype=np.float64)
-    leverage = np.einsum("ij,ji->i", terms, inverse)
-    missed = (logs - terms @ coefficients) / np.maximum(1.0 - leverage, 1e-6)
+    rest = 1.0 - np.einsum("ij,ji->i", terms, inverse)
+    alone = rest < 1e-6  # a row without which the fit would be open
     return ErrorFit(
+        law=law,
         powers=powers,
         coefficients=coefficients,
-        spread=float(np.sqrt(np.mean(missed**2))),
+        missed=np.where(alone, np.inf, (logs - terms @ coefficients) / np.where(alone, 1.0, rest)),
         low=points.min(axis=0),
         high=points.max(axis=0),
     )
@@ -120,7 +155,7 @@ def _terms(points: Array, powers: Array) -> Array:
 def fitted(model: str) -> ErrorFit:
     """The fit of ``model`` to the data that come with the program."""
     lines = (files("coupling") / DATA).read_text(encoding="utf-8").splitlines()
-    return fit_errors([row for row in read_rows(lines) if row.model == model])
+    return fit_errors([row for row in read_rows(lines) if row.model == model], LAWS[model])
 
 
 def read_rows(lines: Iterable[str]) -> list[Measured]:
