@@ -82,7 +82,7 @@ def true_errors(runs: Mapping[str, Mapping[str, Any]]) -> dict[str, float | None
 def verdict(
     pick: str, errors: Mapping[str, float | None], tolerance: float
 ) -> dict[str, str | bool]:
-    """Whether the ``pick`` keeps the tolerance, and whether it is a cheaper rung if one does.
+    """Whether the ``pick`` keeps the tolerance, whether a cheaper rung does, and is taken.
 
     An error that is not known counts as too large.
     """
@@ -93,7 +93,7 @@ def verdict(
         "cheapest": next((model for model in LADDER if model in keeps), "none"),
         "keeps": pick in keeps,
         "cheaper_suffices": suffices,
-        "cheaper_picked": pick != TOP,
+        "cheaper_picked": pick in keeps - {TOP},
     }
 
 
