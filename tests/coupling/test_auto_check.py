@@ -43,6 +43,6 @@ def test_what_is_not_known_keeps_no_tolerance():
     assert none["cheapest"] == "none"
 
 
-def test_ten_scenes_are_left_to_choose():
-    assert len(scenes()) == 10
+def test_every_scene_is_valid_and_left_to_choose():
+    assert len(scenes()) == 20
     assert {scene.model.fluid for scene in scenes().values()} == {"auto"}
