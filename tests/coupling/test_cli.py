@@ -281,15 +281,16 @@ def test_check_advises_a_model(case: Path):
     assert result.exit_code == 0
     assert "advised: hydrostatic" in result.stdout
     assert json.loads(edt("check", case, *slower, "--json").stdout)["advised"] == "hydrostatic"
+    # 10 % by the rule, where 5 % is allowed
+    faster = edt("check", case, "--set", "motion.frequency=0.3", "--json")
+    assert json.loads(faster.stdout)["advised"] == "potential"
     values = json.loads(edt("check", case, "--json").stdout)
     cover = 1.560157 * 1070 * 0.001778 / (997 * 0.4445)  # the diaphragm's mass on the level
     error = (0.2 / 0.9339) ** 2 * (1.0 + cover)
     assert values["numbers"]["hydrostatic_error"] == pytest.approx(error, rel=1e-3)
     hydrostatic = values["models"]["hydrostatic"]
     assert hydrostatic["expected"] < hydrostatic["upper"]
-    # 4.6 % by the rule is too near to 5 % for nine scenes in ten
     assert 0.5 * error < hydrostatic["expected"] < 2.0 * error
-    assert values["advised"] == "potential"
     assert values["models"]["openfoam"]["wall_s"] > values["models"]["hydrostatic"]["wall_s"]
     assert values["numbers"]["bond"] == pytest.approx(997 * 9.81 * 0.4445**2 / 0.073)
 
