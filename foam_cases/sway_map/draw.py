@@ -25,9 +25,9 @@ def main(picture: Path = PICTURE) -> None:
     figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
     for model, mark in MARKS.items():
         chosen = [row for row in rows if row.model == model]
-        ratio, acceleration = 10.0 ** np.array([row.coordinates[:2] for row in chosen]).T
+        ratio, body_force = 10.0 ** np.array([row.coordinates[:2] for row in chosen]).T
         drawn = axes.scatter(
-            ratio, [row.error for row in chosen], c=np.log10(acceleration), marker=mark,
+            ratio, [row.error for row in chosen], c=np.log10(body_force - 1.0), marker=mark,
             vmin=-1.7, vmax=0.3, cmap="viridis", edgecolors="black", linewidths=0.4, s=30,
             label=f"{model} against {chosen[0].reference}",
         )  # fmt: skip
