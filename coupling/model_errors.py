@@ -224,13 +224,13 @@ class Choice:
 def choose(scene: Scene) -> Choice:
     """The cheapest of LADDER whose error keeps ``model.tolerance`` in nine scenes of ten.
 
-    Where none does it is the highest, and the reason says so.
+    Where none does it is the one of the least upper bound, and the reason says so.
     """
     known, tolerance = estimates(scene), scene.model.tolerance
     for fluid in LADDER:
         if known[fluid].upper <= tolerance:
             return Choice(fluid=fluid, reason=_reason(fluid, known, tolerance), estimates=known)
-    best = LADDER[-1]
+    best = min(LADDER, key=lambda fluid: known[fluid].upper)
     return Choice(
         fluid=best,
         reason=f"no model is expected to keep {tolerance:.3g}: the best one, {best}, is taken "
