@@ -2,8 +2,8 @@
 
     python foam_cases/auto_check/check.py [-o runs/auto_check]
 
-Each scene of scenes.csv is run on every rung of the ladder, and where `openfoam` is taken on half
-its cells too, which give its own error. Complete runs are kept, so a stopped check goes on. Writes
+Each scene of scenes.csv is run on every rung of the ladder, and on `openfoam` with half the cells
+too, which gives its own error. Complete runs are kept, so a stopped check goes on. Writes
 results.csv beside this file after every scene, and prints the counts.
 """
 
@@ -45,9 +45,8 @@ def check(name: str, scene: Scene, folder: Path) -> dict[str, Any]:
     """The row of one scene: what was expected, what was taken, and what every rung errs."""
     numbers, choice, tolerance = numbers_of(scene), choose(scene), scene.model.tolerance
     runs = {model: _run(scene, folder / model, [f"model.fluid={model}"]) for model in LADDER}
-    if choice.fluid == TOP:
-        coarse = [f"model.fluid={TOP}", f"openfoam.cells={scene.openfoam.cells // 2}"]
-        runs["half"] = _run(scene, folder / "half", coarse)
+    coarse = [f"model.fluid={TOP}", f"openfoam.cells={scene.openfoam.cells // 2}"]
+    runs["half"] = _run(scene, folder / "half", coarse)
     errors = true_errors(runs)
     row: dict[str, Any] = {
         "name": name,
@@ -59,7 +58,7 @@ def check(name: str, scene: Scene, folder: Path) -> dict[str, Any]:
     for model, one in choice.estimates.items():
         row |= {f"{model}.expected": one.expected, f"{model}.upper": one.upper}
     row |= {f"{model}.error": errors[model] for model in LADDER}
-    row |= {f"{one}.wall_s": runs.get(one, {}).get("wall_s") for one in (*LADDER, "half")}
+    row |= {f"{one}.wall_s": runs[one].get("wall_s") for one in runs}
     return (
         row
         | verdict(choice.fluid, errors, tolerance)
@@ -72,7 +71,7 @@ def true_errors(runs: Mapping[str, Mapping[str, Any]]) -> dict[str, float | None
     pairs = {model: (model, TOP) for model in LADDER[:-1]} | {TOP: ("half", TOP)}
     errors: dict[str, float | None] = {}
     for model, (one, other) in pairs.items():
-        known = all(runs.get(name, {}).get("status") == "completed" for name in (one, other))
+        known = all(runs[name].get("status") == "completed" for name in (one, other))
         errors[model] = cg_motion(runs[one]["cg"], runs[other]["cg"]) if known else None
     if errors[TOP] is not None:
         errors[TOP] /= OWN
