@@ -15,6 +15,7 @@ from importlib.resources import files
 
 import numpy as np
 
+from coupling.foam.mesh import cells_made
 from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.numbers import numbers_of
 from coupling.ports import Array
@@ -22,10 +23,9 @@ from coupling.scene import Scene
 
 DATA = "model_errors.csv"
 LADDER = ("hydrostatic", "potential", "openfoam")
-CELLS = 1300  # of the flow's mesh in the data
-COLUMNS = (
-    "model", "reference", "frequency_ratio", "acceleration_ratio", "fill_fraction", "error",
-)  # fmt: skip
+CELLS = 1300  # asked of the flow's mesh in the data
+PLACE = ("frequency_ratio", "acceleration_ratio", "fill_fraction")
+COLUMNS = ("model", "reference", *PLACE, "error")
 QUANTITIES = ("f/f1", "a/g", "fill fraction")
 SHARE = 0.9  # of the data that lie below an upper bound
 DAMPING = 0.5  # a quarter of the critical one: of 0.2 to 2 the left-out data miss least about here
@@ -167,11 +167,7 @@ def read_rows(lines: Iterable[str]) -> list[Measured]:
         Measured(
             model=row["model"],
             reference=row["reference"],
-            coordinates=coordinates(
-                frequency_ratio=float(row["frequency_ratio"]),
-                acceleration_ratio=float(row["acceleration_ratio"]),
-                fill_fraction=float(row["fill_fraction"]),
-            ),
+            coordinates=coordinates(**{name: float(row[name]) for name in PLACE}),
             error=float(row["error"]),
         )
         for row in csv.DictReader(lines)
@@ -188,13 +184,9 @@ def estimates(scene: Scene) -> dict[str, Estimate]:
     numbers = numbers_of(scene)
     if numbers.acceleration_ratio == 0.0:
         return {name: Estimate(expected=0.0, upper=0.0) for name in LADDER}
-    place = coordinates(
-        frequency_ratio=numbers.frequency_ratio,
-        acceleration_ratio=numbers.acceleration_ratio,
-        fill_fraction=numbers.fill_fraction,
-    )
+    place = coordinates(**{name: getattr(numbers, name) for name in PLACE})
     hydrostatic, potential, openfoam = (fitted(name).at(place) for name in LADDER)
-    finer = (CELLS / scene.openfoam.cells) ** (FLOW_ORDER / 3.0)
+    finer = (cells_made(CELLS) / cells_made(scene.openfoam.cells)) ** (FLOW_ORDER / 3.0)
     return {
         "hydrostatic": _together(hydrostatic, potential),
         "potential": potential,

@@ -18,11 +18,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from coupling.foam.mesh import cells_made
 from coupling.metrics.comparison import cg_motion
 from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.model_errors import CELLS, COLUMNS, LADDER
 
-OWN = 2.0 ** (FLOW_ORDER / 3.0) - 1.0
+FEWER = CELLS // 2
+OWN = (cells_made(CELLS) / cells_made(FEWER)) ** (FLOW_ORDER / 3.0) - 1.0
 
 
 def model_rows(point: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -37,7 +39,7 @@ def model_rows(point: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 def grid_rows(points: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     """Rows of ``openfoam`` on its grid, from points that differ in ``openfoam.cells`` alone."""
-    coarse = {_place(point): point for point in points if _cells(point) == CELLS // 2}
+    coarse = {_place(point): point for point in points if _cells(point) == FEWER}
     for point in points:
         other = coarse.get(_place(point))
         if _cells(point) != CELLS or other is None:

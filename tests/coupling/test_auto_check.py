@@ -18,8 +18,8 @@ def test_errors_are_against_the_top_rung_and_its_own_is_its_grids():
     errors = true_errors(runs)
     assert errors["hydrostatic"] == pytest.approx(0.5)
     assert errors["potential"] == pytest.approx(0.05)
-    # half the cells: Richardson's factor is 2^(1.5/3) - 1
-    assert errors["openfoam"] == pytest.approx(0.1 / (2.0**0.5 - 1.0))
+    # 540 cells against 1216: Richardson's factor is (1216/540)^(1.5/3) - 1
+    assert errors["openfoam"] == pytest.approx(0.1 / ((1216 / 540) ** 0.5 - 1.0))
     assert true_errors(runs | {"half": run(0.022, "failed")})["openfoam"] is None
     failed = runs | {"openfoam": {"status": "failed"}}
     assert set(true_errors(failed).values()) == {None}
