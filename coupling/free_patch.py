@@ -37,7 +37,7 @@ STEEP = 0.25  # sine of the least angle at which the rim opens the liquid, about
 SMALLEST = 0.5  # over the median inside: area that a point inside has to be lifted by, at least
 FILM = 0.02  # over R: the wedge's greatest depth
 LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
-ROUNDS = 60  # of smoothing, at most
+ROUNDS, MORE = 20, 60  # of smoothing, at most; that of corners goes on to more
 FLAT, CREASED = 0.99, 0.9  # mean normal round a point: where rounding sets in, where it is full
 OPEN, SHARP = 0.5, 0.2  # least sine of the corners round a point: likewise
 INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
@@ -110,12 +110,12 @@ class FreePatch:
         A point gives way to the mean of its neighbours, the more the sharper the crease, or a
         corner of a face where the bottom of a crease has been pressed together.
         """
-        for _ in range(ROUNDS):
+        for turn in range(MORE):
             corners = points[self.mesh.patch_faces]
             normal = face_centres_and_areas(corners)[1]
             normal /= np.linalg.norm(normal, axis=1)[:, None]
             flat = np.linalg.norm(self._around @ normal, axis=1)  # 1, or less at a crease
-            share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0)
+            share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0 if turn < ROUNDS else 0.0)
             least = np.ones(len(points))
             np.minimum.at(least, self.mesh.patch_faces, least_sine(corners, normal)[:, None])
             share = np.maximum(share, np.clip((OPEN - least) / (OPEN - SHARP), 0.0, 1.0)) ** 2
