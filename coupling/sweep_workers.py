@@ -58,7 +58,7 @@ def local_workers(count: int) -> Iterator[Client]:
             threads_per_worker=1,
             processes=True,
             memory_limit=0,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # any free port, where others sweep as well
             silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster) as client,
