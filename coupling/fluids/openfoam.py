@@ -154,10 +154,8 @@ class OpenFoamFlow:
             rate = rate - self._rate[: self.mesh.diaphragm_faces]
         patch = self.mesh.diaphragm
         area = np.linalg.norm(self._now.face_area[patch], axis=1)
-        distance = wall_distance(self.mesh, self._now)
-        return np.asarray(
-            self._pressure[self.mesh.owner[patch]] - self.density * distance * rate / area
-        )
+        missing = self.density * wall_distance(self.mesh, self._now) * rate / area
+        return np.asarray(self._pressure[self.mesh.owner[patch]] - missing)
 
     @property
     def _now(self) -> CellGeometry:
