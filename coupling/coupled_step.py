@@ -23,6 +23,7 @@ from coupling.ports import (
 )
 
 DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
+SLOW, MAPS = 8, 3  # iterations on one map before the next is tried; maps of a step, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +44,9 @@ class CoupledStep:
     former steps it is the predictor. The operator belongs to the shape at the step's end, as the
     diaphragm's velocity has it. ``record`` is told of every iteration: time [s], iteration,
     relative residual, seconds.
+
+    The map too is that of where the diaphragm is heading. Where a slam stops it, the map leads
+    astray and the iteration is slow: then it is made anew for where the diaphragm has come to.
     """
 
     def __init__(
@@ -68,8 +72,8 @@ class CoupledStep:
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
-        x = self._begin(time, dt, load)
-        start = self._start
+        begun, first, maps = self.mapping.save(), 1, 1
+        x = self._begin(time, dt, load, self._heading(dt))
         residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
             clock = perf_counter()
@@ -81,12 +85,18 @@ class CoupledStep:
                 if self._inertia is not None:
                     force = force + self._inertia.force(acceleration)
                 image = self._structure_answer(force)
-            relative = self.convergence.relative(image - x, x - start)
+            relative = self.convergence.relative(image - x, x - self._start)
             residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
             converged = relative <= self.convergence.tolerance
             if converged or iteration == self.max_iterations:
                 break
+            slow = iteration - first >= SLOW or not relative < DIVERGED
+            if slow and self._inertia is not None and self._map_moves and maps < MAPS:
+                self.mapping.restore(begun)
+                x = self._begin(time, dt, load, self._nodes)
+                first, maps = iteration, maps + 1
+                continue
             if not relative < DIVERGED:
                 raise _diverged(time + dt, residuals)
             update = self.scheme.update(x.ravel(), (image - x).ravel()).reshape(x.shape)
@@ -103,19 +113,27 @@ class CoupledStep:
             sample=self.flow.accept_step(),
         )
 
-    def _begin(self, time: float, dt: float, load: HydrostaticLoad) -> Array:
-        """Open the step on both sides; the predicted interface (p, 3)."""
+    def _heading(self, dt: float) -> Array:
+        """Where the structure's nodes (n, 3) [m] will be at the end of a step of ``dt`` [s]."""
+        state = self.structure.state
+        return state.position + dt * state.velocity
+
+    def _begin(self, time: float, dt: float, load: HydrostaticLoad, nodes: Array) -> Array:
+        """Open the step on both sides, on the map for ``nodes`` (n, 3) [m] at its end.
+
+        Returns the predicted interface (p, 3).
+        """
         self.scheme.begin_step()
         state = self.structure.state
         with self._timed("mapping"):
-            shell = self.mapping.begin_step(state, dt)
+            shell = self.mapping.begin_step(state, dt, nodes)
+            self._map_moves = shell is not None
             self.flow.begin_step(time, dt, shell)
             self._start = self.flow.points
-            if shell is not None:  # the map has moved
+            if self._map_moves:
                 self._start = self.flow.close_volume(self.mapping.to_flow(state.position))
                 self.flow.slide(self._start)
-            ahead = self.mapping.to_flow(state.position + dt * state.velocity)
-            ahead = self.flow.close_volume(ahead)
+            ahead = self.flow.close_volume(self.mapping.to_flow(nodes))
         if not self.added_mass:
             self._begin_structure(dt, load)
             return ahead
@@ -135,9 +153,9 @@ class CoupledStep:
     def _structure_answer(self, force: Array) -> Array:
         """The interface (p, 3) that ``force`` (p, 3) [N] on it leads to, its volume closed."""
         with self._timed("structure"):
-            nodes = self.structure.solve(self.mapping.to_cloth(force))
+            self._nodes = self.structure.solve(self.mapping.to_cloth(force))
         with self._timed("mapping"):
-            return self.flow.close_volume(self.mapping.to_flow(nodes))
+            return self.flow.close_volume(self.mapping.to_flow(self._nodes))
 
     @contextmanager
     def _timed(self, part: str) -> Iterator[None]:

@@ -71,20 +71,19 @@ class FreePatch:
 
         def excess(size: float) -> float:
             self.size = size
-            outline[self.mesh.shell_points] = self.begin_step(state, 0.0)
+            outline[self.mesh.shell_points] = self.begin_step(state, 0.0, state.position)
             outline[self.mesh.patch_points] = self.to_flow(state.position)
             return fan_volume(outline[self.mesh.faces[self.mesh.inner_faces :]]) / volume - 1.0
 
         self.size = brentq(excess, 0.9, 1.2, xtol=1e-15)
 
-    def begin_step(self, state: StructureState, dt: float) -> Array:
+    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> Array:
         """Take the map of a step of ``dt`` [s] from ``state``; the shell's points (s, 3) [m].
 
-        It is that of where the sheet is heading, x + dt v.
+        It is that of the sheet at ``nodes`` (n, 3) [m], as far as they lie in the shell.
         """
-        nodes = state.position + dt * state.velocity
         distance = np.linalg.norm(nodes, axis=1)[:, None]
-        nodes *= np.minimum(1.0, self.radius / np.maximum(distance, 1e-30))
+        nodes = nodes * np.minimum(1.0, self.radius / np.maximum(distance, 1e-30))
         self._values: Array | None = None
         self.free = self._search.free_part(nodes, dt)
         edge = self.free.edge(self._azimuth)

@@ -73,7 +73,7 @@ def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow,
 
 def start_flow(flow: OpenFoamFlow, mapping: FreePatch, scene: Scene, cloth: Structure) -> None:
     """Put the flow at rest below the settled ``cloth``, whose surface is left beside its mesh."""
-    shell = mapping.begin_step(cloth.state, 0.0)
+    shell = mapping.begin_step(cloth.state, 0.0, cloth.state.position)
     flow.start(mapping.to_flow(cloth.state.position), shell, scene.liquid_volume)
     surface = flow.case.folder / "constant" / "triSurface" / "diaphragm.stl"
     surface.parent.mkdir()

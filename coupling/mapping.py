@@ -24,8 +24,11 @@ SUPPORT = 1.3  # radius of a row's support over the distance to the next targets
 class InterfaceMap(Protocol):
     """What the coupling asks of a map."""
 
-    def begin_step(self, state: StructureState, dt: float) -> Array | None:
-        """Take the map of a step of ``dt`` [s] from ``state``; the shell's points (s, 3) [m]."""
+    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> Array | None:
+        """Take the map of a step of ``dt`` [s] from ``state``; the shell's points (s, 3) [m].
+
+        ``nodes`` (n, 3) [m]: where the structure's are expected at its end.
+        """
 
     def to_flow(self, nodes: Array) -> Array:
         """Flow points (p, 3) of cloth nodes (n, 3)."""
@@ -46,7 +49,7 @@ class InterfaceMap(Protocol):
 class Matching:
     """The map of a structure whose nodes are the flow's points, in a shell that stays."""
 
-    def begin_step(self, state: StructureState, dt: float) -> None:
+    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> None:
         """Nothing moves from step to step."""
 
     def to_flow(self, nodes: Array) -> Array:
