@@ -88,7 +88,9 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     has no other.
     """
     if scene.model.fluid == "openfoam":
-        grid = _with(scene, "openfoam", cells=cells_halved(scene.openfoam.cells))
+        least = 64  # that a scene may ask for
+        fewer = max(least, cells_halved(scene.openfoam.cells))
+        grid = _with(scene, "openfoam", cells=fewer)
     else:
         grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
     if scene.cloth.grid == "thesis":

@@ -99,6 +99,14 @@ def test_the_less_resolved_scenes_keep_the_instants_of_output() -> None:
     assert cloth.openfoam == scene.openfoam
 
 
+def test_a_coarse_scene_with_half_the_cells_can_be_read_again() -> None:
+    """The meshes below 540 cells have 176 and 16; a scene asks for 64 at least."""
+    for cells in (64, 176, 352):
+        scene = with_overrides(run.scene(), ["model.fluid=openfoam", f"openfoam.cells={cells}"])
+        coarse = coarser_scenes(scene)["coarser_grid"].openfoam.cells
+        assert with_overrides(scene, [f"openfoam.cells={coarse}"]).openfoam.cells == coarse
+
+
 SCENE = f"""\
 {SMALL}[cloth]
 resolution = 6
