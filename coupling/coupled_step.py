@@ -23,7 +23,7 @@ from coupling.ports import (
 )
 
 DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
-SLOW, MAPS = 8, 3  # iterations on one map before the next is tried; maps of a step, at most
+SLOW, MAPS = 8, 3  # iterations after a map was made that it is kept for; maps of a step, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class CoupledStep:
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
-        begun, first, maps = self.mapping.save(), 1, 1
+        begun, made, maps = self.mapping.save(), 1, 1
         x = self._begin(time, dt, load, self._heading(dt))
         residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
@@ -91,11 +91,11 @@ class CoupledStep:
             converged = relative <= self.convergence.tolerance
             if converged or iteration == self.max_iterations:
                 break
-            slow = iteration - first >= SLOW or not relative < DIVERGED
+            slow = iteration - made >= SLOW or not relative < DIVERGED
             if slow and self._inertia is not None and self._map_moves and maps < MAPS:
                 self.mapping.restore(begun)
                 x = self._begin(time, dt, load, self._nodes)
-                first, maps = iteration, maps + 1
+                made, maps = iteration, maps + 1
                 continue
             if not relative < DIVERGED:
                 raise _diverged(time + dt, residuals)
