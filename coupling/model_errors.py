@@ -23,7 +23,7 @@ from coupling.scene import Scene
 
 DATA = "model_errors.csv"
 LADDER = ("hydrostatic", "potential", "openfoam")
-CELLS = 1300  # asked of the flow's mesh in the data
+CELLS, FEWER = 1300, 650  # asked of the flow's mesh in the data, and of the coarser one beside it
 PLACE = ("frequency_ratio", "acceleration_ratio", "fill_fraction")
 COLUMNS = ("model", "reference", *PLACE, "error")
 QUANTITIES = ("f/f1", "a/g", "fill fraction")
@@ -172,6 +172,12 @@ def read_rows(lines: Iterable[str]) -> list[Measured]:
         )
         for row in csv.DictReader(lines)
     ]
+
+
+def grid_error(distance: float) -> float:
+    """Error of ``openfoam`` on CELLS, by Richardson's estimate, FEWER being ``distance`` off it."""
+    wider = (cells_made(CELLS) / cells_made(FEWER)) ** (1.0 / 3.0)
+    return float(distance / (wider**FLOW_ORDER - 1.0))
 
 
 def estimates(scene: Scene) -> dict[str, Estimate]:

@@ -15,10 +15,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from coupling.foam.mesh import cells_made
 from coupling.metrics.comparison import cg_motion
-from coupling.metrics.uncertainty import FLOW_ORDER
-from coupling.model_errors import CELLS, LADDER, choose
+from coupling.model_errors import FEWER, LADDER, choose, grid_error
 from coupling.numbers import numbers_of
 from coupling.scene import Scene, load_scene, with_overrides
 from coupling.study import run_or_reuse
@@ -27,8 +25,6 @@ HERE = Path(__file__).parent
 BASE = HERE.parent / "sway_map" / "scene.toml"
 COMMON = ("time.periods=4", "time.steps_per_period=50", "cloth.resolution=14")
 TOP = LADDER[-1]
-FEWER = CELLS // 2
-OWN = (cells_made(CELLS) / cells_made(FEWER)) ** (FLOW_ORDER / 3.0) - 1.0  # Richardson's factor
 
 
 def scenes() -> dict[str, Scene]:
@@ -75,9 +71,8 @@ def true_errors(runs: Mapping[str, Mapping[str, Any]]) -> dict[str, float | None
     for model, (one, other) in pairs.items():
         known = all(runs[name].get("status") == "completed" for name in (one, other))
         errors[model] = cg_motion(runs[one]["cg"], runs[other]["cg"]) if known else None
-    if errors[TOP] is not None:
-        errors[TOP] /= OWN
-    return errors
+    own = errors[TOP]
+    return errors | {TOP: None if own is None else grid_error(own)}
 
 
 def verdict(

@@ -18,13 +18,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from coupling.foam.mesh import cells_made
 from coupling.metrics.comparison import cg_motion
-from coupling.metrics.uncertainty import FLOW_ORDER
-from coupling.model_errors import CELLS, COLUMNS, LADDER
-
-FEWER = CELLS // 2
-OWN = (cells_made(CELLS) / cells_made(FEWER)) ** (FLOW_ORDER / 3.0) - 1.0
+from coupling.model_errors import CELLS, COLUMNS, FEWER, LADDER, grid_error
 
 
 def model_rows(point: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -48,7 +43,7 @@ def grid_rows(points: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
         if all(one["status"] == "completed" for one in pair):
             error = cg_motion(pair[0]["cg"], pair[1]["cg"])
             if error is not None:
-                yield _row(point, "openfoam", "openfoam", error / OWN)
+                yield _row(point, "openfoam", "openfoam", grid_error(error))
 
 
 def _cells(point: Mapping[str, Any]) -> int | None:
