@@ -1,13 +1,16 @@
 """Interior points of the flow's mesh as the rest state of an elastic solid that cannot invert.
 
 Every corner of every hexahedron is a small neo-Hookean body whose natural shape is that of the
-reference half ball (Garanzha et al., ACM Trans. Graph. 40, 2021, without their untangling): energy
+reference half ball (Garanzha et al., ACM Trans. Graph. 40, 2021): energy
 f/(3 d^(2/3)) + VOLUME (d/s + s/d)/2 with f = |T|^2, d = det T of the corner's map T from the
 reference and s the mean change of volume. It rises without bound as a corner flattens, so that a
-mesh which starts valid stays valid wherever the boundary allows one.
+mesh which starts valid stays valid wherever the boundary allows one. A mesh that does not start so
+is untangled: 1/d is put off to 2/(d + (d^2 + e^2)^(1/2)), for an e that shrinks.
 """
 
 from __future__ import annotations
+
+import math
 
 import numba
 import numpy as np
@@ -22,6 +25,8 @@ MEMORY = 8  # pairs of the quasi-Newton method
 SPLITS = 32  # most parts that a boundary's displacement is cut into
 TOLERANCE = 1e-2  # residual force over its start
 ITERATIONS = 60
+FLATTEST = 1e-9  # over s: least d of a valid corner
+UNTANGLINGS = 10  # values of e, at most
 
 
 class MeshFolds(Exception):  # noqa: N818 - named for what happens
@@ -30,12 +35,19 @@ class MeshFolds(Exception):  # noqa: N818 - named for what happens
 
 @numba.njit(cache=True)
 def corner_energy(
-    points: Array, corners: Ints, inverse: Array, size: float, weight: float, gradient: Array
+    points: Array,
+    corners: Ints,
+    inverse: Array,
+    size: float,
+    weight: float,
+    e: float,
+    gradient: Array,
 ) -> float:
     """Energy of all corners at ``points`` (P, 3), its gradient (P, 3) put into ``gradient``.
 
     ``corners`` (k, 4): a corner and its three neighbours; ``inverse`` (k, 3, 3) of the reference's
-    edge matrices; ``size`` s; ``weight`` of the volume. Infinite where a corner is inverted.
+    edge matrices; ``size`` s; ``weight`` of the volume. Without an ``e`` above 0 it is infinite
+    where a corner is inverted.
     """
     gradient[:] = 0.0
     total = 0.0
@@ -58,12 +70,15 @@ def corner_energy(
                 y1, y2 = (y + 1) % 3, (y + 2) % 3
                 cof[x, y] = t[x1, y1] * t[x2, y2] - t[x1, y2] * t[x2, y1]
         d = t[0, 0] * cof[0, 0] + t[0, 1] * cof[0, 1] + t[0, 2] * cof[0, 2]
-        if d <= 1e-9 * size:
+        if e == 0.0 and d <= FLATTEST * size:
             return np.inf
-        root = d ** (-2.0 / 3.0)
-        total += f * root / 3.0 + 0.5 * weight * (d / size + size / d)
+        far = math.sqrt(d * d + e * e)
+        h = 0.5 * (d + far) if d > 0.0 else 0.5 * e * e / (far - d)  # in place of d, above 0
+        root, square = h ** (-2.0 / 3.0), d * d + size * size
+        total += f * root / 3.0 + 0.5 * weight * square / (size * h)
         on_t = 2.0 * root / 3.0
-        on_cof = -2.0 * f * root / (9.0 * d) + 0.5 * weight * (1.0 / size - size / (d * d))
+        on_cof = -2.0 * f * root / (9.0 * far)
+        on_cof += 0.5 * weight * (2.0 * d / h - square / (h * far)) / size
         for x in range(3):
             for y in range(3):
                 p[x, y] = on_t * t[x, y] + on_cof * cof[x, y]
@@ -87,6 +102,7 @@ class ElasticMesh:
         boundary = np.unique(mesh.faces[mesh.inner_faces :])
         self.interior = np.setdiff1d(np.arange(len(reference)), boundary)
         self.boundary = boundary
+        self._imposed = np.flatnonzero(np.isin(self.corners, boundary).all(axis=1))
         first, second = mesh.edges.T
         weight = 1.0 / np.sum((reference[first] - reference[second]) ** 2, axis=1)
         weight = np.tile(weight, 2)
@@ -102,10 +118,19 @@ class ElasticMesh:
     def relax(self, start: Array, boundary: Array, *, size: float) -> Array:
         """Points (P, 3) [m] at rest inside ``boundary`` (P, 3), of which only those count.
 
-        ``start`` (P, 3) must be valid; ``size`` is the mesh's volume over the reference's. Where
-        the interior cannot simply follow, the boundary's displacement is cut into parts. Raises
-        ``MeshFolds`` where that fails too. The rest state is found to ``TOLERANCE`` of the force.
+        ``size`` is the mesh's volume over the reference's. Where the interior cannot simply follow
+        from ``start`` (P, 3), the boundary's displacement is cut into parts, and where that fails
+        too, as it must if ``start`` is not valid, the mesh is untangled. Raises ``MeshFolds`` where
+        nothing helps. The rest state is found to ``TOLERANCE`` of the force.
         """
+        points = self._carried(start, boundary, size)
+        if points is None:
+            points = self._untangled(self.follow(start, boundary), size)
+        points[self.boundary] = boundary[self.boundary]
+        return points
+
+    def _carried(self, start: Array, boundary: Array, size: float) -> Array | None:
+        """``relax``, valid from the ``start`` on; None where it cannot be."""
         points, shift = start.copy(), boundary[self.boundary] - start[self.boundary]
         done, part = 0.0, 1.0
         while done < 1.0:
@@ -118,9 +143,36 @@ class ElasticMesh:
             elif part > 1.0 / SPLITS:
                 part /= 2.0
             else:
-                raise MeshFolds
-        points[self.boundary] = boundary[self.boundary]
+                return None
         return points
+
+    def _untangled(self, points: Array, size: float) -> Array:
+        """Points (P, 3) at rest, from ``points`` (P, 3) of which some corners are inverted.
+
+        Raises ``MeshFolds`` where the least d is not brought above 0, at once where all points of
+        an inverted corner are imposed.
+        """
+        if self._least(points, self._imposed) <= 0.0:
+            raise MeshFolds
+        e = size
+        for _ in range(UNTANGLINGS):
+            relaxed = self._minimise(points, size, e)
+            assert relaxed is not None, "finite for e > 0"
+            points, least = relaxed, self._least(relaxed, slice(None))
+            if least > FLATTEST * size:
+                valid = self._minimise(points, size)
+                assert valid is not None, "no corner is inverted"
+                return valid
+            # What stands for the least d shrinks to a fifth (Garanzha et al., section 3.2).
+            aim = 0.1 * (least + math.hypot(least, e))
+            e = 2.0 * math.sqrt(aim * (aim - least))
+        raise MeshFolds
+
+    def _least(self, points: Array, which: slice | Ints) -> float:
+        """Least d among corners, with all of them at ``points`` (P, 3)."""
+        corners = self.corners[which]
+        edges = points[corners[:, 1:]] - points[corners[:, :1]]
+        return float((np.linalg.det(edges) * np.linalg.det(self._inverse[which])).min())
 
     def follow(self, points: Array, boundary: Array) -> Array:
         """``points`` (P, 3) with the interior following the boundary harmonically: linear."""
@@ -130,12 +182,12 @@ class ElasticMesh:
         answer[self.interior] -= self._solver.solve(np.asarray(self._coupling @ moved))
         return answer
 
-    def _minimise(self, points: Array, size: float) -> Array | None:
+    def _minimise(self, points: Array, size: float, e: float = 0.0) -> Array | None:
         """L-BFGS with the mesh's Laplacian as first guess of the Hessian; None when inverted."""
         gradient = np.empty_like(points)
 
         def evaluate(at: Array) -> tuple[float, Array]:
-            energy = corner_energy(at, self.corners, self._inverse, size, VOLUME, gradient)
+            energy = corner_energy(at, self.corners, self._inverse, size, VOLUME, e, gradient)
             return energy, gradient[self.interior].copy()
 
         energy, force = evaluate(points)

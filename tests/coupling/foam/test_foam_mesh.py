@@ -85,6 +85,21 @@ def test_relaxed_mesh_is_valid_where_a_linear_one_folds():
     assert (relaxed[elastic.boundary] == outline[elastic.boundary]).all()
 
 
+def test_tangled_mesh_comes_to_the_same_rest_as_a_valid_one():
+    mesh = half_ball(176)
+    elastic = ElasticMesh(mesh, 1.0)
+    tangled = mesh.points.copy()
+    inside = elastic.interior
+    tangled[inside] = 0.3 * np.random.default_rng(1).standard_normal((len(inside), 3))
+    assert cell_geometry(mesh, tangled).volume.min() < 0
+    untangled = elastic.relax(tangled, mesh.points, size=1.0)
+    assert cell_geometry(mesh, untangled).volume.min() > 0
+    rest = elastic.relax(mesh.points, mesh.points, size=1.0)
+    spacing = (0.5 * np.pi / len(inside)) ** (1 / 3)
+    # Both come to TOLERANCE of how far from rest they began once valid: about a spacing.
+    assert np.abs(untangled - rest).max() < 1e-2 * spacing
+
+
 def test_impossible_boundary_is_refused():
     mesh = half_ball(176)
     outline = mesh.points.copy()
