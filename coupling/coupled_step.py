@@ -23,7 +23,7 @@ from coupling.ports import (
 )
 
 DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
-SLOW, MAPS = 8, 3  # iterations after a map was made that it is kept for; maps of a step, at most
+SLOW, MAPS = 8, 3  # iterations on a map before its rate is judged; maps of a step, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class CoupledStep:
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
-        begun, made, maps = self.mapping.save(), 1, 1
+        begun, made, maps = self.mapping.save(), 0, 1
         x = self._begin(time, dt, load, self._heading(dt))
         residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
@@ -91,7 +91,7 @@ class CoupledStep:
             converged = relative <= self.convergence.tolerance
             if converged or iteration == self.max_iterations:
                 break
-            slow = iteration - made >= SLOW or not relative < DIVERGED
+            slow = self._is_slow(residuals[made:]) or not relative < DIVERGED
             if slow and self._inertia is not None and self._map_moves and maps < MAPS:
                 self.mapping.restore(begun)
                 x = self._begin(time, dt, load, self._nodes)
@@ -112,6 +112,11 @@ class CoupledStep:
             converged=converged,
             sample=self.flow.accept_step(),
         )
+
+    def _is_slow(self, residuals: list[float]) -> bool:
+        """Whether the iterations on a map leave as far to go as they have come."""
+        first, last = residuals[0], residuals[-1]
+        return len(residuals) > SLOW and last / self.convergence.tolerance > first / last
 
     def _heading(self, dt: float) -> Array:
         """Where the structure's nodes (n, 3) [m] will be at the end of a step of ``dt`` [s]."""
