@@ -18,7 +18,8 @@ class Defects:
 
     As pressures on faces, which turn with the diaphragm, they change less than nodal forces, and
     never pull an almost massless sheet along itself. How smooth they are depends on the moment:
-    the order of extrapolation is the one that would have served the last step best.
+    the order of extrapolation is the one that would have served the last step best. It goes on by
+    no more than the last change: what grows in a slam must not be multiplied.
     """
 
     def __init__(self) -> None:
@@ -35,7 +36,9 @@ class Defects:
         known = [weights for weights in EXTRAPOLATIONS if len(weights) < len(self._past)]
         newest, before = self._past[0], self._past[1:]
         best = min(known, key=lambda w: _distance(_combined(w, before), newest), default=(1.0,))
-        return _combined(best, self._past)
+        change = _combined(best, self._past) - newest
+        most = _distance(newest, before[0]) if before else 0.0
+        return newest + change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-300))
 
     def save(self) -> dict[str, Array]:
         """The defects by ``defect0``, ``defect1`` ..."""

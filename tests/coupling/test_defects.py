@@ -9,8 +9,9 @@ FACES = 5
 
 
 def polynomial(degree, step):
+    """One whose changes shrink from step to step, as far as they change at all."""
     coefficient = np.random.default_rng(degree).normal(size=(degree + 1, FACES))
-    return np.polynomial.polynomial.polyval(float(step), coefficient)
+    return np.polynomial.polynomial.polyval(float(8 - step), np.abs(coefficient))
 
 
 def test_nothing_is_known_before_the_first_step():
@@ -31,6 +32,13 @@ def test_noise_is_not_amplified():
     for step in range(6):
         defects.add((-1) ** step * noise)
     assert np.abs(defects.next(FACES)).max() <= 1.0
+
+
+def test_growth_is_not_multiplied():
+    defects = Defects()
+    for step in range(4):
+        defects.add(np.full(FACES, 5.0**step))
+    assert defects.next(FACES) == pytest.approx(125.0 + (125.0 - 25.0))
 
 
 def test_order_follows_the_last_step():
