@@ -152,18 +152,19 @@ class ElasticMesh:
         Raises ``MeshFolds`` where the least d is not brought above 0, at once where all points of
         an inverted corner are imposed.
         """
-        if self._least(points, self._imposed) <= 0.0:
+        if not np.isfinite(points).all() or self._least(points, self._imposed) <= 0.0:
             raise MeshFolds
         e = size
         for _ in range(UNTANGLINGS):
             relaxed = self._minimise(points, size, e)
-            assert relaxed is not None, "finite for e > 0"
+            if relaxed is None:  # its energy is out of all range
+                raise MeshFolds
             points, least = relaxed, self._least(relaxed, slice(None))
             if least > FLATTEST * size:
                 valid = self._minimise(points, size)
                 assert valid is not None, "no corner is inverted"
                 return valid
-            # What stands for the least d shrinks to a fifth (Garanzha et al., section 3.2).
+            # The e with which what stands for the least d shrinks to a fifth (Garanzha et al.).
             aim = 0.1 * (least + math.hypot(least, e))
             e = 2.0 * math.sqrt(aim * (aim - least))
         raise MeshFolds

@@ -104,5 +104,6 @@ def test_impossible_boundary_is_refused():
     mesh = half_ball(176)
     outline = mesh.points.copy()
     outline[mesh.patch_points, 2] -= 2.0 * (1 - np.sum(mesh.points[mesh.patch_points, :2] ** 2, 1))
-    with pytest.raises(MeshFolds):
-        ElasticMesh(mesh, 1.0).relax(mesh.points, outline, size=0.5)
+    for impossible in (outline, np.full_like(outline, np.nan)):
+        with pytest.raises(MeshFolds):
+            ElasticMesh(mesh, 1.0).relax(mesh.points, impossible, size=0.5)
