@@ -29,6 +29,11 @@ class Convergence:
         """
         return rms(residual) / (rms(increment) + self.floor)
 
+    def is_far(self, relative: list[float]) -> bool:
+        """Whether iterations that left ``relative`` residuals have come less than half the way."""
+        first, last = relative[0], relative[-1]
+        return last / self.tolerance > first / last
+
 
 def rms(vectors: Array) -> float:
     """Root mean square length of ``vectors`` (p, 3)."""

@@ -91,7 +91,8 @@ class CoupledStep:
             converged = relative <= self.convergence.tolerance
             if converged or iteration == self.max_iterations:
                 break
-            slow = self._is_slow(residuals[made:]) or not relative < DIVERGED
+            since = residuals[made:]
+            slow = (len(since) > SLOW and self.convergence.is_far(since)) or not relative < DIVERGED
             if slow and self._inertia is not None and self._map_moves and maps < MAPS:
                 self.mapping.restore(begun)
                 x = self._begin(time, dt, load, self._nodes)
@@ -112,11 +113,6 @@ class CoupledStep:
             converged=converged,
             sample=self.flow.accept_step(),
         )
-
-    def _is_slow(self, residuals: list[float]) -> bool:
-        """Whether the iterations on a map leave as far to go as they have come."""
-        first, last = residuals[0], residuals[-1]
-        return len(residuals) > SLOW and last / self.convergence.tolerance > first / last
 
     def _heading(self, dt: float) -> Array:
         """Where the structure's nodes (n, 3) [m] will be at the end of a step of ``dt`` [s]."""

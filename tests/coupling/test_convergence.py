@@ -23,6 +23,13 @@ def test_step_at_rest_is_measured_by_the_floor():
     assert criterion.relative(np.zeros((5, 3)), np.zeros((5, 3))) == 0.0
 
 
+def test_far_is_less_than_half_the_orders_of_magnitude():
+    criterion = Convergence(tolerance=1e-4, floor=0.0)
+    assert criterion.is_far([1.0, 0.3, 1.1e-2])
+    assert not criterion.is_far([1.0, 2.0, 0.9e-2])
+    assert criterion.is_far([0.5, 0.5])  # no way made at all
+
+
 def test_scaling_of_all_lengths_changes_nothing():
     generator = np.random.default_rng(0)
     residual, increment = generator.normal(size=(2, 6, 3))
