@@ -103,6 +103,7 @@ class FollowingMesh:
         """Let the step end at ``patch`` (p, 3) [m]; volumes (B,) [m^3] its boundary faces sweep.
 
         What of it lies beyond the shell, where a linear map may throw it in a slam, stays inside.
+        Every cell has a volume then; a corner of one may be inverted until the next step relaxes.
         Raises ``RunFailed`` where no mesh is found; ``moment`` says when.
         """
         patch = self._inside(patch)

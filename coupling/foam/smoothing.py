@@ -121,11 +121,15 @@ class ElasticMesh:
         ``size`` is the mesh's volume over the reference's. Where the interior cannot simply follow
         from ``start`` (P, 3), the boundary's displacement is cut into parts, and where that fails
         too, as it must if ``start`` is not valid, the mesh is untangled. Raises ``MeshFolds`` where
-        nothing helps. The rest state is found to ``TOLERANCE`` of the force.
+        nothing helps, at once where the boundary alone inverts a corner. The rest state is found
+        to ``TOLERANCE`` of the force.
         """
+        goal = self.follow(start, boundary)
+        if not np.isfinite(goal).all() or self._least(goal, self._imposed) <= FLATTEST * size:
+            raise MeshFolds
         points = self._carried(start, boundary, size)
         if points is None:
-            points = self._untangled(self.follow(start, boundary), size)
+            points = self._untangled(goal, size)
         points[self.boundary] = boundary[self.boundary]
         return points
 
@@ -149,11 +153,8 @@ class ElasticMesh:
     def _untangled(self, points: Array, size: float) -> Array:
         """Points (P, 3) at rest, from ``points`` (P, 3) of which some corners are inverted.
 
-        Raises ``MeshFolds`` where the least d is not brought above 0, at once where all points of
-        an inverted corner are imposed.
+        Raises ``MeshFolds`` where the least d is not brought above 0.
         """
-        if not np.isfinite(points).all() or self._least(points, self._imposed) <= 0.0:
-            raise MeshFolds
         e = size
         for _ in range(UNTANGLINGS):
             relaxed = self._minimise(points, size, e)

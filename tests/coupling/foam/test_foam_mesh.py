@@ -5,7 +5,7 @@ import pytest
 
 from coupling.foam.geometry import cell_geometry, fan_volume
 from coupling.foam.mesh import half_ball
-from coupling.foam.smoothing import ElasticMesh, MeshFolds
+from coupling.foam.smoothing import ElasticMesh, MeshFolds, corner_energy
 
 
 @pytest.fixture(params=[176, 650])
@@ -83,6 +83,27 @@ def test_relaxed_mesh_is_valid_where_a_linear_one_folds():
     relaxed = elastic.relax(mesh.points, outline, size=size)
     assert cell_geometry(mesh, relaxed).volume.min() > 0
     assert (relaxed[elastic.boundary] == outline[elastic.boundary]).all()
+
+
+@pytest.mark.parametrize("e", [0.0, 0.2])
+def test_force_is_the_gradient_of_the_energy(e):
+    mesh = half_ball(176)
+    elastic, generator = ElasticMesh(mesh, 1.0), np.random.default_rng(2)
+    # Valid for the energy itself, tangled for the one that stands for it.
+    points = mesh.points + (0.01 if e == 0.0 else 0.2) * generator.standard_normal(
+        (len(mesh.points), 3)
+    )
+    along, gradient = generator.standard_normal(points.shape), np.empty_like(points)
+
+    def energy(at):
+        return corner_energy(at, elastic.corners, elastic._inverse, 0.9, 0.5, e, gradient)
+
+    step = 1e-6
+    slope = (energy(points + step * along) - energy(points - step * along)) / (2.0 * step)
+    assert np.isfinite(energy(points))
+    # Central differences: rounding over the step and the step squared, 1e-10 and 1e-12 times how
+    # fast the energy bends over e.
+    assert np.sum(gradient * along) == pytest.approx(slope, rel=1e-6)
 
 
 def test_tangled_mesh_comes_to_the_same_rest_as_a_valid_one():
