@@ -9,9 +9,8 @@ FACES = 5
 
 
 def polynomial(degree, step):
-    """One whose changes shrink from step to step, as far as they change at all."""
     coefficient = np.random.default_rng(degree).normal(size=(degree + 1, FACES))
-    return np.polynomial.polynomial.polyval(float(8 - step), np.abs(coefficient))
+    return np.polynomial.polynomial.polyval(float(step), coefficient)
 
 
 def test_nothing_is_known_before_the_first_step():
@@ -19,11 +18,22 @@ def test_nothing_is_known_before_the_first_step():
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
-def test_smooth_pressure_is_extrapolated_exactly(degree):
+def test_smooth_pressure_is_extrapolated_exactly_unless_its_changes_grow(degree):
+    defects = Defects()
+    for step in range(8, 3, -1):
+        defects.add(polynomial(degree, step))
+    assert defects.next(FACES) == pytest.approx(polynomial(degree, 3), abs=1e-11)
+
+
+def test_growing_change_goes_on_where_it_heads_by_as_much_as_before():
     defects = Defects()
     for step in range(5):
-        defects.add(polynomial(degree, step))
-    assert defects.next(FACES) == pytest.approx(polynomial(degree, 5), abs=1e-11)
+        defects.add(polynomial(2, step))
+    before, newest, exact = (polynomial(2, step) for step in (3, 4, 5))
+    most = np.linalg.norm(newest - before)
+    wanted = (exact - newest) * most / np.linalg.norm(exact - newest)
+    assert np.linalg.norm(exact - newest) > most
+    assert defects.next(FACES) - newest == pytest.approx(wanted, abs=1e-11)
 
 
 def test_noise_is_not_amplified():
