@@ -22,7 +22,8 @@ def found() -> dict[str, str]:
         solver = find_openfoam(keep_alive=True)
         values["openfoam"] = f"{solver.version}, {solver.solver}"
         values["solver that stays alive"] = str(
-            solver.keep_alive or "not built: 'edt build-solver' makes runs with a flow faster"
+            solver.keep_alive
+            or "not built: 'edt build-solver' makes runs with a flow faster, and waves last longer"
         )
     except OpenFoamMissing as missing:
         values["openfoam"] = f"not found: {missing}"

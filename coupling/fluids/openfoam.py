@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from coupling.foam.added_mass import NeumannLaplacian, added_mass, wall_distance
+from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import CellGeometry
 from coupling.foam.keepalive import case_of
+from coupling.foam.laplacian import wall_distance
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate

@@ -71,10 +71,20 @@ class Case:
         transport = ParsedParameterFile(str(self.folder / "constant" / "transportProperties"))
         transport["nu"] = viscosity
         transport.writeFile()
+        if self.openfoam.walls is not None:
+            self._take_walls()
+        self._write_step(0.0, 1.0)  # for OpenFOAM's own programs, before the first step
         self._write_mesh(points)
         self.__dict__.pop("parts", None)
         if self.openfoam.processors > 1:
             decompose(self.folder, openfoam=self.openfoam, timeout=self.timeout)
+
+    def _take_walls(self) -> None:
+        """Let the walls' pressure be that of an accelerating wall, from the library built."""
+        pressure = ParsedParameterFile(str(self.folder / "0" / "p"))
+        for patch in _PATCHES:
+            pressure["boundaryField"][patch]["type"] = "acceleratingWallPressure"
+        pressure.writeFile()
 
     def _write_mesh(self, points: Array) -> None:
         mesh, folder = self.mesh, self.folder / "constant" / "polyMesh"
@@ -114,11 +124,13 @@ class Case:
         return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
 
     def _write_step(self, start: float, end: float) -> None:
+        walls = self.openfoam.walls
         (self.folder / "system" / "step").write_text(
             "// Written by the coupler before every start of the solver.\n"
             f"startTime           {start:.12g};\n"
             f"endTime             {end:.12g};\n"
             f"deltaT              {end - start:.12g};\n"
+            + ("" if walls is None else f'libs                ("{walls.name}");\n')
         )
 
     @property

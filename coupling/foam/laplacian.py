@@ -1,7 +1,9 @@
 """OpenFOAM's ``Gauss linear corrected`` Laplacian (over-relaxed) of the cells, as a sparse matrix.
 
 A cell's gradient takes its own value and its neighbours'; a face's flux those of both its cells. So
-all matrices of a mesh have the same entries, whose places are found once.
+all matrices of a mesh have the same entries, whose places are found once. Beside a wall that
+accelerates, the gradient takes the wall's own pressure, of which the part that the acceleration
+makes stands on the right-hand side.
 """
 
 from __future__ import annotations
@@ -105,6 +107,86 @@ def _ordered(near: csc_array, wall: Ints) -> Ints:
     pattern.setdiag(2.0 * pattern.sum(axis=0))
     found = splu(csc_array(pattern), permc_spec="MMD_AT_PLUS_A", **SYMMETRIC)
     return np.concatenate([inner[np.argsort(found.perm_c)], wall])
+
+
+def wall_source(mesh: LiquidMesh, geometry: CellGeometry) -> csc_array:
+    """Right-hand side (c, F) [-] that the flux of each face on the diaphragm makes, changing by 1.
+
+    The flux itself, and what the wall's pressure, -d/A beyond its cell's over the half cell d, adds
+    to the non-orthogonal fluxes about the cell through the cell's gradient.
+    """
+    wall, area = mesh.owner[mesh.diaphragm], geometry.face_area[mesh.diaphragm]
+    reach = wall_distance(mesh, geometry) / np.linalg.norm(area, axis=1)
+    slope = -area * (reach / geometry.volume[wall])[:, None]
+    rows, columns, values = [wall], [np.arange(len(wall))], [-np.ones(len(wall))]
+    for at, cell, other, face in _about(mesh):
+        size = geometry.face_area[at]
+        step = geometry.centre[mesh.neighbour[at]] - geometry.centre[mesh.owner[at]]
+        slant = size - _stiffness(mesh, geometry, at)[:, None] * step
+        near, far = (
+            np.abs(_dot(geometry.face_centre[at] - geometry.centre[side], size))
+            for side in (cell, other)
+        )
+        flux = far / (near + far) * _dot(slant, slope[face])
+        for side, sign in ((mesh.owner[at], 1.0), (mesh.neighbour[at], -1.0)):
+            rows.append(side)
+            columns.append(face)
+            values.append(sign * flux)
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return csc_array(coo_array(entries, shape=(mesh.cells, len(wall))))
+
+
+def wall_layer(mesh: LiquidMesh, geometry: CellGeometry) -> tuple[csc_array, Array]:
+    """Two-point flux [m] between the diaphragm's cells (F, F), and from each to those below (F,).
+
+    ``-grad p`` flows out of a cell by the first's rows times p, and by the second times what p is
+    higher there than below.
+    """
+    count = mesh.diaphragm_faces
+    faces = np.full(mesh.cells, -1)
+    faces[mesh.owner[mesh.diaphragm]] = np.arange(count)
+    below, entries = np.zeros(count), []
+    for at, _, other, face in _about(mesh):
+        stiff, beside = _stiffness(mesh, geometry, at), faces[other]
+        within = beside >= 0
+        below += np.bincount(face[~within], stiff[~within], count)
+        entries.append((face[within], face[within], stiff[within]))
+        entries.append((face[within], beside[within], -stiff[within]))
+    row, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+    return csc_array(coo_array((value, (row, column)), shape=(count, count))), below
+
+
+def _about(mesh: LiquidMesh) -> list[tuple[Ints, Ints, Ints, Ints]]:
+    """Inner faces of the diaphragm's cells: the faces, the cells, those beyond, their faces there.
+
+    From the owners' side and from the neighbours'. One cell has one face on the diaphragm.
+    """
+    faces = np.full(mesh.cells, -1)
+    faces[mesh.owner[mesh.diaphragm]] = np.arange(mesh.diaphragm_faces)
+    owner, found = mesh.owner[: mesh.inner_faces], []
+    for cell, other in ((owner, mesh.neighbour), (mesh.neighbour, owner)):
+        at = np.flatnonzero(faces[cell] >= 0)
+        found.append((at, cell[at], other[at], faces[cell[at]]))
+    return found
+
+
+def _stiffness(mesh: LiquidMesh, geometry: CellGeometry, at: Ints) -> Array:
+    """Two-point flux (k,) [m] through inner faces ``at`` (k,) of a unit difference in p."""
+    size = np.linalg.norm(geometry.face_area[at], axis=1)
+    step = geometry.centre[mesh.neighbour[at]] - geometry.centre[mesh.owner[at]]
+    along = _dot(step, geometry.face_area[at]) / size
+    return np.asarray(size / np.maximum(along, 0.05 * np.linalg.norm(step, axis=1)))
+
+
+def wall_distance(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
+    """Distance (F,) [m] along the normal from a cell's centre to its face on the diaphragm."""
+    area = geometry.face_area[mesh.diaphragm]
+    reach = geometry.face_centre[mesh.diaphragm] - geometry.centre[mesh.owner[mesh.diaphragm]]
+    return np.asarray(_dot(reach, area) / np.linalg.norm(area, axis=1))
+
+
+def _dot(one: Array, other: Array) -> Array:
+    return np.asarray(np.einsum("fx,fx->f", one, other))
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -17,7 +17,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import IO
 
-from coupling.foam.solver_cache import built_solver
+from coupling.foam.solver_cache import WALLS, built_solver
 from coupling.ports import RunFailed
 
 STOCK = "pimpleFoam"  # the solver that the one that stays alive stands in for
@@ -37,14 +37,16 @@ class OpenFoamFailed(RunFailed):
 class OpenFoam:
     """What was found: ``solver`` is the program's path, ``project_dir`` holds ``etc``.
 
-    ``keep_alive`` is the solver that stays alive, if it shall be used; with ``processors`` > 1 the
-    solvers run under ``mpirun``.
+    ``keep_alive`` is the solver that stays alive, if it shall be used; ``walls`` the library with
+    the walls' pressure, where it has been built. With ``processors`` > 1 the solvers run under
+    ``mpirun``.
     """
 
     solver: Path
     project_dir: Path
     version: str
     keep_alive: Path | None = None
+    walls: Path | None = None
     processors: int = 1
     mpirun: Path | None = None
 
@@ -52,6 +54,9 @@ class OpenFoam:
     def environment(self) -> dict[str, str]:
         """Environment of a solver call: one thread, and the folder with ``etc/controlDict``."""
         found = os.environ | {"WM_PROJECT_DIR": str(self.project_dir), "OMP_NUM_THREADS": "1"}
+        if self.walls is not None:
+            places = [str(self.walls.parent), *filter(None, [found.get("LD_LIBRARY_PATH")])]
+            found["LD_LIBRARY_PATH"] = os.pathsep.join(places)
         return found if self.mpirun is None else found | _open_mpi()
 
     def command(self, program: Path, case: Path, *arguments: str) -> list[str]:
@@ -96,12 +101,14 @@ def find_openfoam(
             "Set WM_PROJECT_DIR to OpenFOAM's folder, or source its etc/bashrc."
         )
     version = _version(found, str(project))
-    alive = built_solver(version) if keep_alive and Path(found).name == STOCK else None
+    built = built_solver(version) if Path(found).name == STOCK else None
+    alive = built if keep_alive else None
     return OpenFoam(
         solver=Path(found),
         project_dir=project,
         version=version,
         keep_alive=alive,
+        walls=None if built is None else built.with_name(WALLS),
         processors=processors,
         mpirun=_mpirun(alive) if processors > 1 else None,
     )

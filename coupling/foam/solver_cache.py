@@ -9,6 +9,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 NAME = "edtPimpleFoam"
+WALLS = "libedtWalls.so"  # what both solvers load: a boundary condition, see solver/walls
 
 
 def cache_folder() -> Path:
@@ -41,6 +42,6 @@ def solver_path(version: str) -> Path:
 
 
 def built_solver(version: str) -> Path | None:
-    """The solver for OpenFOAM ``version`` where it has been built."""
+    """The solver for OpenFOAM ``version`` where it has been built; the library stands beside it."""
     path = solver_path(version)
     return path if os.access(path, os.X_OK) else None

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from laplacian_reference import laplacian
+from laplacian_reference import laplacian, pressure_beside_walls
 from scipy.linalg import eigh
 
-from coupling.foam.added_mass import NeumannLaplacian, added_mass, wall_distance
+from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.geometry import cell_geometry
-from coupling.foam.laplacian import eliminated
+from coupling.foam.laplacian import eliminated, wall_distance
 from coupling.foam.mesh import half_ball
 from coupling.interface import swept_gradient
 
@@ -38,6 +38,19 @@ def test_trace_is_symmetric_and_positive_on_closed_fluxes(level):
     count = len(trace)
     closed = np.eye(count)[:, 1:] - np.eye(count)[:, :1]  # all fluxes without a net one
     assert np.linalg.eigvalsh(closed.T @ trace @ closed).min() > 0
+
+
+def test_pressure_that_a_wall_asks_for_against_its_definition():
+    mesh = half_ball(650)
+    points = mesh.points + 0.05 * np.sin(4 * mesh.points[:, [1, 2, 0]])
+    geometry = cell_geometry(mesh, points)
+    rate = np.random.default_rng(0).normal(size=len(mesh.owner) - mesh.inner_faces)
+    rate[mesh.diaphragm_faces :] *= 1e-2  # of sliding only; its pressure stays the cell's
+    rate -= rate.mean()
+    got = NeumannLaplacian(mesh, geometry).pressure(rate)
+    wanted = pressure_beside_walls(mesh, geometry, rate)
+    difference = got - wanted - (got - wanted).mean()
+    assert np.abs(difference).max() < 1e-11 * np.abs(wanted).max()
 
 
 def test_rows_factor_the_operator(level):
