@@ -19,7 +19,8 @@ from coupling.ports import Array, Ints
 
 REACH = 0.03  # gap over R where a node counts as free altogether
 ORDER = 6  # highest wave round the axis
-RATE = 60.0  # 1/s at which the curve follows
+RATE, FAST = 60.0, 200.0  # 1/s at which the curve follows leaps and small motion
+SMALL = 0.003  # size of what it is away by, as axis and waves have it, between small and a leap
 UPRIGHT = 0.5  # weight of the pole in the axis, over that of the whole sheet lifted to its centre
 _WIDEST = 0.98  # |cos psi| of the curve, at most
 
@@ -68,7 +69,7 @@ class ContactSearch:
         self._share = moving / np.maximum(moving.sum(axis=1), 1.0)[:, None]
         self._angle = solid_angles(reference, triangles)
         centre = reference[triangles].mean(axis=1)
-        self.smooth = Smooth(RATE)
+        self.smooth = Smooth(RATE, fast=FAST, small=SMALL)
         self._centre = centre / np.linalg.norm(centre, axis=1)[:, None]
 
     def free_part(self, position: Array, dt: float) -> FreePart:
@@ -100,10 +101,14 @@ class ContactSearch:
 
 
 class Smooth:
-    """Follows a vector as a critically damped spring of ``rate`` [1/s] does, however it jumps."""
+    """Follows a vector as a critically damped spring of ``rate`` [1/s] does, however it jumps.
 
-    def __init__(self, rate: float) -> None:
-        self.rate = rate
+    Where it is away by less than ``small`` the rate is up to ``fast`` [1/s]: a curve that lags
+    behind a gentle sway feeds a wave that breathes at its rim.
+    """
+
+    def __init__(self, rate: float, *, fast: float, small: float) -> None:
+        self.rate, self.fast, self.small = rate, fast, small
         self._state = np.zeros((2, 0))  # value and speed
 
     def at_rest(self, target: Array) -> Array:
@@ -114,10 +119,12 @@ class Smooth:
     def follow(self, target: Array, dt: float) -> Array:
         """Where a step of ``dt`` [s] towards ``target`` (k,) leads: exact, so stable."""
         value, speed = self._state
-        away, fade = value - target, np.exp(-self.rate * dt)
-        push = speed + self.rate * away
+        away = value - target
+        leap = float(np.linalg.norm(away)) / self.small
+        rate = self.rate + (self.fast - self.rate) / (1.0 + leap * leap)
+        fade, push = np.exp(-rate * dt), speed + rate * away
         self._state = np.stack(
-            [target + (away + push * dt) * fade, (speed - self.rate * push * dt) * fade]
+            [target + (away + push * dt) * fade, (speed - rate * push * dt) * fade]
         )
         return np.asarray(self._state[0])
 

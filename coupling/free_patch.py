@@ -23,12 +23,12 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
-from cloth.compiled import compiled
 from coupling.contact_curve import ContactSearch
+from coupling.creases import give_way, least_sine
 from coupling.foam.geometry import face_centres_and_areas, fan_volume
 from coupling.foam.mesh import LiquidMesh
 from coupling.interface import cross, swept_gradient
-from coupling.mapping import moving_least_squares
+from coupling.mapping import moving_least_squares, moving_quadratics
 from coupling.ports import Array, Ints, Structure, StructureState
 from coupling.structure import liquid_cg
 
@@ -38,7 +38,9 @@ SMALLEST = 0.5  # over the median inside: area that a point inside has to be lif
 FILM = 0.02  # over R: the wedge's greatest depth
 LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
 ROUNDS, MORE = 20, 60  # of smoothing, at most; that of corners goes on to more
-FLAT, CREASED = 0.99, 0.9  # mean normal round a point: where rounding sets in, where it is full
+# Mean normal round a point: where the map is no longer of second order, where it is of first and
+# rounding sets in, where that is full.
+SMOOTH, FLAT, CREASED = 0.997, 0.99, 0.9
 OPEN, SHARP = 0.5, 0.2  # least sine of the corners round a point: likewise
 INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
 
@@ -62,6 +64,8 @@ class FreePatch:
         edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
         edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
         self._others = np.searchsorted(edges[:, 0], np.arange(count + 1)), edges[:, 1]
+        self._inside = ~mesh.rim  # and no neighbour of the rim, where the sheet turns off the shell
+        self._inside[edges[mesh.rim[edges[:, 1]], 0]] = False
         self._below = _below(mesh)[self._rim]
         self.size = 1.0  # of the polyhedron that stands for the shell, over R
 
@@ -88,7 +92,11 @@ class FreePatch:
         self.free = self._search.free_part(nodes, dt)
         edge = self.free.edge(self._azimuth)
         self.moulded = self.free.directions(self._reach * edge, self._azimuth)
-        self.weights = moving_least_squares(self._moulded, self.moulded)
+        self.weights = moving_quadratics(self._moulded, self.moulded)
+        flat = (self._flatness(self.weights @ nodes) - FLAT) / (SMOOTH - FLAT)
+        sharp = np.where(self._inside, np.clip(flat, 0.0, 1.0), 0.0)
+        plain = moving_least_squares(self._moulded, self.moulded)
+        self.weights = plain + sharp[:, None] * (self.weights - plain)
         points = self.weights @ nodes
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
         points[self._rim] = self.size * self.radius * rim
@@ -110,10 +118,8 @@ class FreePatch:
         corner of a face where the bottom of a crease has been pressed together.
         """
         for turn in range(MORE):
-            corners = points[self.mesh.patch_faces]
-            normal = face_centres_and_areas(corners)[1]
-            normal /= np.linalg.norm(normal, axis=1)[:, None]
-            flat = np.linalg.norm(self._around @ normal, axis=1)  # 1, or less at a crease
+            corners, normal = points[self.mesh.patch_faces], self._normals(points)
+            flat = np.linalg.norm(self._around @ normal, axis=1)
             share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0 if turn < ROUNDS else 0.0)
             least = np.ones(len(points))
             np.minimum.at(least, self.mesh.patch_faces, least_sine(corners, normal)[:, None])
@@ -123,6 +129,15 @@ class FreePatch:
                 break
             for values in (self.weights, points):
                 give_way(values, creased, share, *self._others)
+
+    def _normals(self, points: Array) -> Array:
+        """Unit normals (F, 3) of the faces with the patch's ``points`` (p, 3) [m]."""
+        normal = face_centres_and_areas(points[self.mesh.patch_faces])[1]
+        return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
+
+    def _flatness(self, points: Array) -> Array:
+        """Size (p,) of the mean normal round each of ``points`` (p, 3) [m]: 1, less at a crease."""
+        return np.asarray(np.linalg.norm(self._around @ self._normals(points), axis=1))
 
     def _wall(self, middle: Array, rim: Array) -> Array:
         """Points (s, 3) [m] of the shell on arcs from the pool's middle to ``rim`` (r, 3)."""
@@ -198,35 +213,6 @@ class FreePatch:
             centre /= np.linalg.norm(centre, axis=1)[:, None]
             self._values = moving_least_squares(centre, self.free.within(self._moulded, INSET))
         return self._values @ values
-
-
-def least_sine(corners: Array, normal: Array) -> Array:
-    """Least sine (F,) of the angles of faces with ``corners`` (F, 4, 3) about ``normal`` (F, 3).
-
-    Negative where a corner points inward.
-    """
-    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    size = np.linalg.norm(ahead, axis=2) * np.linalg.norm(behind, axis=2)
-    sine = np.einsum("fkx,fx->fk", cross(ahead, behind), normal) / np.maximum(size, 1e-30)
-    return np.asarray(sine.min(axis=1))
-
-
-@compiled
-def give_way(values: Array, at: Ints, share: Array, starts: Ints, others: Ints) -> None:
-    """Move ``values`` (p, k) ``at`` points by ``share`` (p,) towards the mean over their others.
-
-    Those of point i stand in ``others`` from ``starts[i]`` to ``starts[i + 1]``.
-    """
-    moved = np.zeros((len(at), values.shape[1]))
-    for a in range(len(at)):
-        i = at[a]
-        part = share[i] / (starts[i + 1] - starts[i])
-        for q in range(starts[i], starts[i + 1]):
-            for k in range(values.shape[1]):
-                moved[a, k] += part * values[others[q], k]
-    for a in range(len(at)):
-        for k in range(values.shape[1]):
-            values[at[a], k] = moved[a, k] + (1.0 - share[at[a]]) * values[at[a], k]
 
 
 def _means(points: Ints, others: Ints, count: int) -> csr_array:

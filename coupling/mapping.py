@@ -19,6 +19,7 @@ from coupling.ports import Array, Ints, StructureState
 NEIGHBOURS_AT_LEAST = 12  # nodes a row may use; three conditions stand on every row
 NEIGHBOURS_AT_MOST = 80
 SUPPORT = 1.3  # radius of a row's support over the distance to the next targets
+WIDER, MORE = 1.8, 20  # support and least neighbours of rows with six conditions
 
 
 class InterfaceMap(Protocol):
@@ -81,14 +82,46 @@ def moving_least_squares(source: Array, target: Array) -> Array:
     support reaches ``SUPPORT`` times as far as the third next target, and to
     ``NEIGHBOURS_AT_LEAST`` sources; a row is continuous in its target.
     """
-    spacing = np.asarray(cKDTree(target).query(target, k=4)[0])[:, 3]
-    count = min(NEIGHBOURS_AT_MOST, len(source))
-    distance, near = (np.asarray(a) for a in cKDTree(source).query(target, k=count))
-    least = distance[:, min(NEIGHBOURS_AT_LEAST, count) - 1]
-    radius = np.maximum(SUPPORT * spacing, 1.01 * least)
+    near, distance, radius = _supports(source, target, SUPPORT, NEIGHBOURS_AT_LEAST)
     weights = np.zeros((len(target), len(source)))
     least_norm_weights(source, target, near, distance, radius, weights)
     return weights
+
+
+def moving_quadratics(source: Array, target: Array) -> Array:
+    """As ``moving_least_squares``, but a row reproduces quadratics in the tangent plane too.
+
+    Means over a support of radius r flatten a wave of number k by k^2 r^2/20; these do so in the
+    fourth power only. In return some weights are negative: for smooth surfaces.
+    """
+    near, distance, radius = _supports(source, target, WIDER, MORE)
+    share = np.maximum(1.0 - distance / radius[:, None], 0.0)
+    kernel = np.where(share > 0.0, share**2 + 1e-6, 0.0)
+    normal = target / np.linalg.norm(target, axis=1)[:, None]
+    across = np.abs(normal[:, 2:]) < 0.7
+    u = np.cross(normal, np.where(across, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]))
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    offset = (source[near] - target[:, None]) / radius[:, None, None]
+    x, y = (np.einsum("tkd,td->tk", offset, axis) for axis in (u, np.cross(normal, u)))
+    basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
+    gram = np.einsum("tk,tki,tkj->tij", kernel, basis, basis, optimize=True)
+    wanted = np.zeros((len(target), 6, 1))
+    wanted[:, 0] = 1.0
+    factor = np.linalg.solve(gram, wanted)
+    weights = np.zeros((len(target), len(source)))
+    np.put_along_axis(weights, near, kernel * (basis @ factor)[:, :, 0], axis=1)
+    return weights
+
+
+def _supports(source: Array, target: Array, reach: float, least: int) -> tuple[Ints, Array, Array]:
+    """Nearest sources (t, k), their distances (t, k), and the radius (t,) of each row's support.
+
+    It is ``reach`` times as far as the third next target, and takes ``least`` sources or more.
+    """
+    spacing = np.asarray(cKDTree(target).query(target, k=4)[0])[:, 3]
+    count = min(NEIGHBOURS_AT_MOST, len(source))
+    distance, near = (np.asarray(a) for a in cKDTree(source).query(target, k=count))
+    return near, distance, np.maximum(reach * spacing, 1.01 * distance[:, min(least, count) - 1])
 
 
 @compiled

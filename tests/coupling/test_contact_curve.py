@@ -81,21 +81,32 @@ def test_frame_is_a_rotation():
 
 
 def test_smooth_motion_is_the_same_in_one_step_or_two():
-    one, two = Smooth(50.0), Smooth(50.0)
+    one, two = Smooth(50.0, fast=50.0, small=1.0), Smooth(50.0, fast=50.0, small=1.0)
     for follower in (one, two):
         follower.at_rest(np.zeros(2))
     target = np.array([1.0, -2.0])
     two.follow(target, 0.01)
     assert one.follow(target, 0.02) == pytest.approx(two.follow(target, 0.01), rel=1e-12)
     saved = one.save()
-    other = Smooth(50.0)
+    other = Smooth(50.0, fast=50.0, small=1.0)
     other.restore(saved)
     assert (one.follow(target, 0.3) == other.follow(target, 0.3)).all()
     assert one.follow(target, 1.0) == pytest.approx(target)
 
 
+def test_smooth_follows_what_is_small_fast_and_a_leap_slowly():
+    ends = []
+    for size in (1e-6, 1.0):
+        follower = Smooth(50.0, fast=400.0, small=1e-3)
+        follower.at_rest(np.zeros(1))
+        ends.append(follower.follow(np.full(1, size), 0.01)[0] / size)
+    # A critically damped spring of rate r has come to 1 - (1 + r t) exp(-r t).
+    wanted = [1.0 - (1.0 + rate) * np.exp(-rate) for rate in (4.0, 0.5)]
+    assert ends == pytest.approx(wanted, rel=1e-4)
+
+
 def test_smooth_starts_slowly():
-    follower = Smooth(50.0)
+    follower = Smooth(50.0, fast=50.0, small=1.0)
     follower.at_rest(np.zeros(1))
     # A spring pulls with rate^2: 1/2 50^2 1e-6, and no more than that.
     assert follower.follow(np.ones(1), 1e-3)[0] == pytest.approx(1.25e-3, rel=0.05)

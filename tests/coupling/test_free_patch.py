@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from cloth.mesh import hemisphere
+from coupling.creases import give_way, least_sine
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import face_centres_and_areas
 from coupling.foam.mesh import half_ball
-from coupling.free_patch import ROUNDS, FreePatch, give_way, least_sine
+from coupling.free_patch import ROUNDS, FreePatch
 from coupling.interface import cross, pressure_force, swept_gradient
 from coupling.numbers import level_of_fill_fraction
 

@@ -6,7 +6,12 @@ from scipy.linalg import null_space
 
 from cloth.mesh import hemisphere
 from coupling.foam.mesh import half_ball
-from coupling.mapping import Matching, least_norm_weights, moving_least_squares
+from coupling.mapping import (
+    Matching,
+    least_norm_weights,
+    moving_least_squares,
+    moving_quadratics,
+)
 
 
 @pytest.fixture(params=[8, 16])
@@ -52,6 +57,22 @@ def test_what_is_linear_in_the_tangent_plane_is_reproduced(pair):
     assert np.abs(off - along[:, None] * target).max() < 1e-10
     assert along.max() < 1e-10  # chords lie below the sphere
     assert along.min() > -0.06
+
+
+def test_quadratics_in_the_tangent_plane_are_reproduced_where_asked(pair):
+    cloth, target, plain = pair
+    weights = moving_quadratics(cloth.points, target)
+    across, along = np.zeros_like(target), np.zeros_like(target)
+    across[:, 0] = 1.0
+    across -= np.sum(across * target, axis=1)[:, None] * target
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    along = np.cross(target, across)
+    for row, averages, at, u, v in zip(weights, plain, target, across, along, strict=True):
+        x, y = (cloth.points - at) @ u, (cloth.points - at) @ v
+        for values in (x, y, x * x, x * y, y * y):
+            assert abs(row @ values) < 1e-10
+        assert averages @ (x * x + y * y) > 1e-3  # a mean over the support
+    assert weights.sum(axis=1) == pytest.approx(np.ones(len(target)), abs=1e-12)
 
 
 def test_every_node_below_the_patch_receives_force(pair):
