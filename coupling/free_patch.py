@@ -7,6 +7,8 @@ the sheet is creased more sharply than the patch can follow, the patch cuts the 
 is the contact curve brought onto the shell. The shell's points lie on arcs from the pool's middle
 to the rim. Only swept volumes matter to the flow: where points slide along, nothing is swept.
 
+Where the sheet is smooth the map is of second order, so that waves are not flattened; in creases,
+and beside the rim, where the sheet turns off the shell, it takes means, which never overshoot.
 Interpolation alone would lose volume where the patch is coarser than the sheet's waves, and all of
 it in the strip between a fixed rim and the points next to it. Within a step every node therefore
 displaces exactly the volume that its own triangles sweep: what interpolation misses lifts the patch
