@@ -115,8 +115,7 @@ def test_momentum_within_the_grid_error():
 
 @pytest.mark.openfoam
 def test_momentum_of_the_walls_falls_with_the_square_of_the_grid():
-    # n = 6 and 8 cells along an edge. With a pressure gradient of zero on walls that accelerate, or
-    # face values off the line between the cells, the order is 1.5.
+    # n = 6 and 8 cells along an edge. With face values off the line between the cells it is 1.5.
     coarse, fine = (
         errors(run_case("momentum", {"step": "0.02", "resolution": str(cells)}))["imbalance"]
         for cells in (550, 1300)
