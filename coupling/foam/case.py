@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from coupling.ports import Array
 
 _PATCHES = ("diaphragm", "shell")
+_WALL = "acceleratingWallPressure"  # of the walls' library
 _TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
 
 
@@ -83,7 +84,7 @@ class Case:
         """Let the walls' pressure be that of an accelerating wall, from the library built."""
         pressure = ParsedParameterFile(str(self.folder / "0" / "p"))
         for patch in _PATCHES:
-            pressure["boundaryField"][patch]["type"] = "acceleratingWallPressure"
+            pressure["boundaryField"][patch]["type"] = _WALL
         pressure.writeFile()
 
     def _write_mesh(self, points: Array) -> None:
@@ -194,13 +195,20 @@ class Case:
     def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
         """The reverse of ``pack``; other entries of ``saved`` are let be.
 
-        Raises ``OpenFoamFailed`` where they are those of another number of processors.
+        Raises ``OpenFoamFailed`` where they are those of another number of processors, or ask for
+        the walls' library where it has not been built.
         """
         named = {name.split("/")[0] for name in saved if name.startswith("file:processor")}
         if max(1, len(named)) != len(self.parts):
             raise OpenFoamFailed(
                 f"t = {time:.6g} s: the checkpoint is one of {max(1, len(named))} processors, the "
                 f"scene asks for {len(self.parts)}. Set openfoam.processors = {max(1, len(named))}."
+            )
+        pressures = (bytes(data) for name, data in saved.items() if re.search("[:/]p$", name))
+        if self.openfoam.walls is None and any(_WALL.encode() in data for data in pressures):
+            raise OpenFoamFailed(
+                f"t = {time:.6g} s: the run was begun with the walls' pressure that 'edt "
+                "build-solver' builds, which is not there now. Run 'edt build-solver', then resume."
             )
         for part in self.parts:
             head = f"file:{part.name}/" if part.name else "file:"

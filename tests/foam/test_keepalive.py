@@ -172,6 +172,14 @@ def test_checkpoint_of_other_processors_is_refused(flow_of, alive, two):
         serial.restore(of_two)
 
 
+def test_checkpoint_with_the_walls_pressure_is_refused_without_its_library(flow_of, alive):
+    begun = flow_of(alive)
+    stepped(begun, 0)
+    without = flow_of(dataclasses.replace(find_openfoam(), walls=None))
+    with pytest.raises(OpenFoamFailed, match=r"walls' pressure(.|\n)*Run 'edt build-solver'"):
+        without.restore(begun.save())
+
+
 def test_log_does_not_grow_for_ever(flow_of, alive, monkeypatch):
     flow = flow_of(alive)
     stepped(flow, 0)
