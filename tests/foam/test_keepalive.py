@@ -116,12 +116,13 @@ def test_two_processors_equal_one(flow_of, alive, two):
         assert distance(one[1], other[1]) < SOLVER_TOLERANCE
 
 
-def test_files_are_those_of_a_restart(flow_of, alive):
+@pytest.mark.parametrize("steps", [1, 2])
+def test_files_are_those_of_a_restart(flow_of, alive, steps):
     staying, restarted = flow_of(alive), flow_of(find_openfoam())
-    for number in range(2):
+    for number in range(steps):
         stepped(staying, number)
         stepped(restarted, number)
-    end = 2 * STEP
+    end = steps * STEP
     assert staying.case.times == [0.0]
     staying.case.flush(end)
     assert staying.case.times == [0.0, end]

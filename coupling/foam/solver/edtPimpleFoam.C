@@ -52,8 +52,8 @@ int main(int argc, char *argv[])
             runTime.begin(request.start, request.length);
             p.oldTime();
             phi.oldTime();
-            U.oldTime();
-            Uf().oldTime();
+            U.oldTime().writeOpt() = U.writeOpt();  // a restart after the first step wants them too
+            Uf().oldTime().writeOpt() = Uf().writeOpt();
         }
         else  // REPEAT: as the step began; old times, of fields and mesh, are stored once a step
         {
