@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from coupling.convergence import Convergence
@@ -19,6 +19,7 @@ from coupling.ports import (
     HydrostaticLoad,
     RunFailed,
     Scheme,
+    StepFailed,
     Structure,
 )
 
@@ -28,7 +29,10 @@ SLOW, MAPS = 8, 3  # iterations on a map before its rate is judged; maps of a st
 
 @dataclass(frozen=True, kw_only=True)
 class StepOutcome:
-    """What a coupled step took; ``residual`` is relative, as ``Convergence`` has it."""
+    """What a coupled step took, in all parts and tries.
+
+    ``residual`` is relative, as ``Convergence`` has it, and the largest of the parts.
+    """
 
     iterations: int
     residual: float
@@ -69,14 +73,38 @@ class CoupledStep:
         self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
         self._defects = Defects()
         self._inertia: AddedMass | None = None  # of this step
+        self._tried, self._parts = 0, list[tuple[float, FlowSample]]()  # since ``told`` was asked
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
-        """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``."""
-        begun, made, maps = self.mapping.save(), 0, 1
+        """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``, in one."""
+        self.attempt(time, dt, load)
+        self.accept()
+        return self.told()
+
+    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
+        """Solve a step from ``time`` to ``time + dt`` [s]. Raises ``StepFailed``, ArithmeticError.
+
+        Iterations that end before they have converged are no failure; ``told`` says so.
+        """
+        begun = self.mapping.save()
+        try:
+            self._solve(time, dt, load, begun)
+        except (StepFailed, ArithmeticError):
+            self.mapping.restore(begun)
+            self._defects.forget()
+            raise
+        return True
+
+    def _solve(
+        self, time: float, dt: float, load: HydrostaticLoad, begun: Mapping[str, Array]
+    ) -> None:
+        """Iterate; ``begun`` is the map's state before."""
+        made, maps = 0, 1
         x = self._begin(time, dt, load, self._heading(dt))
         residuals: list[float] = []
         for iteration in range(1, self.max_iterations + 1):
             clock = perf_counter()
+            self._tried += 1
             with _told_from_divergence(time + dt, residuals):
                 with self._timed("fluid"):
                     pressure = self.flow.solve(x)
@@ -88,8 +116,8 @@ class CoupledStep:
             relative = self.convergence.relative(image - x, x - self._start)
             residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
-            converged = relative <= self.convergence.tolerance
-            if converged or iteration == self.max_iterations:
+            self._residual = relative
+            if relative <= self.convergence.tolerance or iteration == self.max_iterations:
                 break
             since = residuals[made:]
             slow = (len(since) > SLOW and self.convergence.is_far(since)) or not relative < DIVERGED
@@ -104,14 +132,26 @@ class CoupledStep:
             with self._timed("mapping"):
                 x = self.flow.close_volume(update)
         if self._inertia is not None:
-            self._defects.add(pressure + self._inertia.pressure(acceleration))
+            self._defect = pressure + self._inertia.pressure(acceleration)
+
+    def accept(self) -> None:
+        """Commit the last attempt."""
+        if self._inertia is not None:
+            self._defects.add(self._defect)
         self.scheme.accept_step()
         self.structure.accept_step()
+        self._parts.append((self._residual, self.flow.accept_step()))
+
+    def told(self) -> StepOutcome:
+        """What the steps since this was last asked took, as one; the sample's work is of all."""
+        tried, self._tried = self._tried, 0
+        parts, self._parts = self._parts, []
+        residual, last = max(residual for residual, _ in parts), parts[-1][1]
         return StepOutcome(
-            iterations=iteration,
-            residual=relative,
-            converged=converged,
-            sample=self.flow.accept_step(),
+            iterations=tried,
+            residual=residual,
+            converged=residual <= self.convergence.tolerance,
+            sample=replace(last, pressure_work=sum(sample.pressure_work for _, sample in parts)),
         )
 
     def _heading(self, dt: float) -> Array:
@@ -186,13 +226,15 @@ def _told_from_divergence(time: float, residuals: list[float]) -> Iterator[None]
         raise
     except RunFailed as failure:
         if residuals and max(residuals) > 1.0:
-            raise _diverged(time, residuals) from failure
+            # Where the solver itself has died nothing is left to take the step in parts with.
+            kind = StepFailed if isinstance(failure, StepFailed) else RunFailed
+            raise _diverged(time, residuals, kind) from failure
         raise
 
 
-def _diverged(time: float, residuals: list[float]) -> RunFailed:
+def _diverged(time: float, residuals: list[float], kind: type[RunFailed] = StepFailed) -> RunFailed:
     last = ", ".join(f"{residual:.1e}" for residual in residuals[-4:])
-    return RunFailed(
+    return kind(
         f"t = {time:.6g} s: the coupling diverges: the last iterations left residuals of {last} "
         "times the step's own displacement. Take coupling.scheme = 'added-mass' or halve time.step."
     )

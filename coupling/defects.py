@@ -40,6 +40,10 @@ class Defects:
         most = _distance(newest, before[0]) if before else 0.0
         return newest + change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-300))
 
+    def forget(self) -> None:
+        """Keep the last one alone: of steps of another length, others tell of no trend."""
+        self._past = self._past[:1]
+
     def save(self) -> dict[str, Array]:
         """The defects by ``defect0``, ``defect1`` ..."""
         return {f"defect{number}": defect for number, defect in enumerate(self._past)}

@@ -20,7 +20,7 @@ from coupling.run_record import Sample
 from coupling.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
 from coupling.scene import Scene
 from coupling.schemes import scheme_named
-from coupling.structure import DryStep, advance, diaphragm_of, settle_diaphragm
+from coupling.structure import HALVINGS, DryStep, advance, diaphragm_of, settle_diaphragm
 from coupling.tally import Tally
 
 Record = Callable[[float, int, float, float], None]
@@ -101,11 +101,12 @@ class Participants:
 
         Raises ``RunFailed`` when too many steps did not converge.
         """
-        if isinstance(self.step, CoupledStep):
-            return self._advance_coupled(self.step, now, after)
         dt, tally, step = self.scene.time.step, self.tally, self.step
         clock = perf_counter()
-        parts = advance(step, now, dt, self.load)
+        whole = isinstance(step, CoupledStep) and not self.flow.case.uneven_steps
+        parts = advance(step, now, dt, self.load, halvings=0 if whole else HALVINGS)
+        if isinstance(step, CoupledStep):
+            return self._coupled(step, after, parts)
         tally.seconds("structure", clock)
         state = self.cloth.state
         tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
@@ -119,15 +120,15 @@ class Participants:
         tally.liquid(sample, shapes)
         return sample, shapes, residual
 
-    def _advance_coupled(
-        self, step: CoupledStep, now: float, after: float
+    def _coupled(
+        self, step: CoupledStep, after: float, parts: int
     ) -> tuple[FlowSample, int, float]:
-        outcome = step.advance(now, self.scene.time.step, self.load(after))
+        outcome = step.told()
         for part, seconds in step.wall.items():
             self.tally.statistics.wall_by_part[part] += seconds
             step.wall[part] = 0.0
         self.tally.coupling(after, outcome)
-        self.tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=1)
+        self.tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=parts)
         return outcome.sample, outcome.iterations, outcome.residual
 
     def load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:

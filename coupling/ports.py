@@ -22,6 +22,10 @@ class RunFailed(Exception):  # noqa: N818 - named for what a user reads
     """A run that cannot go on; the message says when, what and the mend."""
 
 
+class StepFailed(RunFailed):
+    """A step that may succeed in parts: both sides stand where it began."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class HydrostaticLoad:
     """The part of the liquid's pressure that needs no flow: p = datum + density * body_force . x.
@@ -204,10 +208,7 @@ class Flow(Protocol):
         """
 
     def slide(self, points: Array) -> None:
-        """Take ``points`` (p, 3) [m] for where the interface's points, slid along, start the step.
-
-        What they sweep on their way there is no motion of the interface.
-        """
+        """Start the step, not moving, at ``points`` (p, 3) [m], which the patch has slid to."""
 
     def close_volume(self, points: Array) -> Array:
         """The nearest interface (p, 3) that encloses the liquid's volume exactly."""
@@ -216,10 +217,7 @@ class Flow(Protocol):
         """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed)."""
 
     def added_mass(self, points: Array) -> AddedMass:
-        """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m].
-
-        At the step's end, since that is where a solver takes its fluxes and pressures.
-        """
+        """The liquid's inertia at this step's end, expected at ``points`` (p, 3) [m]."""
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""

@@ -52,7 +52,7 @@ class PotentialStep:
         rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1)
         self._now: dict[str, Array] = dict(zip(_NAMES, (*still, *still, *rest), strict=True))
 
-    def attempt(self, dt: float, load: HydrostaticLoad) -> bool:
+    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
         """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError.
 
         A shape missed by more than ``SHAPE`` even the second time is no failure, since the first,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Protocol
@@ -15,9 +16,18 @@ from cloth.settle import settle
 from cloth.step import Cloth
 from cloth.thesis.grid import thesis_grid
 from cloth.thesis.sheet import STEP, ThesisSheet
-from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, RunFailed, Structure
+from coupling.ports import (
+    Array,
+    DiaphragmState,
+    HydrostaticLoad,
+    Ints,
+    RunFailed,
+    StepFailed,
+    Structure,
+)
 from coupling.scene import Scene
 
+_log = logging.getLogger(__name__)
 HALVINGS = 3
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
@@ -124,8 +134,11 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> f
 class Step(Protocol):
     """A time step that can be tried with a shorter ``dt`` if it fails."""
 
-    def attempt(self, dt: float, load: HydrostaticLoad) -> bool:
-        """Solve a step of ``dt`` [s]; whether it converged. Raises ArithmeticError."""
+    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
+        """Solve a step from ``time`` to ``time + dt`` [s]; whether it is good enough.
+
+        Raises ArithmeticError or ``StepFailed``.
+        """
 
     def accept(self) -> None:
         """Commit the last attempt."""
@@ -137,7 +150,7 @@ class DryStep:
     def __init__(self, cloth: Diaphragm) -> None:
         self.cloth = cloth
 
-    def attempt(self, dt: float, load: HydrostaticLoad) -> bool:
+    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
         """See ``Step``."""
         self.cloth.begin_step(dt, load)
         self.cloth.solve(np.zeros_like(self.cloth.reference))
@@ -159,13 +172,15 @@ def advance(
     """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(time)``; parts that it took.
 
     A step that does not converge is taken again as two of half its length, ``halvings`` times at
-    most; the last is accepted as it is, unless it diverges. Raises ArithmeticError then.
+    most; the last is accepted as it is, unless it fails. Raises its ArithmeticError or
+    ``StepFailed`` then.
     """
     try:
-        good = step.attempt(dt, load(now + dt)) or halvings == 0
-    except ArithmeticError:
+        good = step.attempt(now, dt, load(now + dt)) or halvings == 0
+    except (ArithmeticError, StepFailed) as failure:
         if halvings == 0:
             raise
+        _log.info("t = %.6g s: a step of %.3g s is taken as two: %s", now + dt, dt, failure)
         good = False
     if good:
         step.accept()

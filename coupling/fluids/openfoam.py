@@ -22,7 +22,7 @@ from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate
 from coupling.foam.wall import WallFlow, wall_flow
-from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed
+from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed, StepFailed
 
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
 
@@ -84,7 +84,7 @@ class OpenFoamFlow:
 
     def _place(self, patch: Array, shell: Array) -> None:
         """The state of a liquid at rest."""
-        self.time, self.steps = 0.0, 0
+        self.time, self._previous_dt = 0.0, 0.0  # the latter of the step before, 0 at the start
         self._initial = (patch, shell)
         self._following.place(patch, shell)
         self._moving = FluxRate(len(self.faces))
@@ -98,6 +98,7 @@ class OpenFoamFlow:
         """
         # As the case names its folders: the next step starts where this ends, digit for digit.
         self.time, self._end, self.dt = round(time, 11), round(time + dt, 11), dt
+        self._moment = f"t = {self._end:.6g} s"
         self._following.begin_step(shell)
         self._laplacian: NeumannLaplacian | None = None  # where the step is expected to end
         self._rate: Array | None = None  # of the fluxes that sliding makes (B,) [m^3/s^2]
@@ -110,23 +111,19 @@ class OpenFoamFlow:
         sheet must not feel.
         """
         swept = self._following.slid(points)
-        self._rate = self._sliding(swept, self.dt, first=self.steps == 0)
+        self._rate = self._sliding(swept, self.dt, self._previous_dt)
         self._undue: Array | None = None
 
     def close_volume(self, points: Array) -> Array:
         """``points`` (p, 3) shifted along their normals until the volume is the start's."""
         return self._following.close_volume(points)
 
-    @property
-    def _moment(self) -> str:
-        return f"t = {self._end:.6g} s"
-
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
         swept = self._following.follow(points, self._moment)
         missed = abs(swept.sum()) / self.volume
         if missed > CLOSURE:
-            raise RunFailed(
+            raise StepFailed(
                 f"{self._moment}: the interface changes the liquid's volume by {missed:.1e} of it; "
                 "OpenFOAM would answer with a pressure that means nothing. Halve time.step."
             )
@@ -146,7 +143,7 @@ class OpenFoamFlow:
 
         What sliding points ask of the pressure is taken off before.
         """
-        rate = self._moving(swept, self.dt, first=self.steps == 0)
+        rate = self._moving(swept, self.dt, self._previous_dt)
         if self._rate is not None:
             if self._undue is None:
                 laplacian = self._laplacian or NeumannLaplacian(self.mesh, self._now)
@@ -175,8 +172,7 @@ class OpenFoamFlow:
             self._sliding.accept_step()
         if self.time not in self._kept:
             self.case.remove(self.time)
-        self.steps += 1
-        self.time = self._end
+        self.time, self._previous_dt = self._end, self.dt
         walls = wall_flow(
             self.mesh, self._following.geometry, self._now, self._velocity,
             dt=self.dt, viscosity=self.density * self.viscosity,
@@ -219,7 +215,7 @@ class OpenFoamFlow:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
         self._kept.add(self.time)
         saved: dict[str, AnyArray] = {
-            "time": np.array([self.time, self.steps]),
+            "clock": np.array([self.time, self._previous_dt]),
             "initial": self._initial[0],
             "shell": self._initial[1],
             "points": self.mesh_points,
@@ -237,10 +233,12 @@ class OpenFoamFlow:
 
     def restore(self, saved: Mapping[str, AnyArray]) -> None:
         """The reverse of ``save``; fields of later times are gone, a lost case is written anew."""
+        if "clock" not in saved:
+            raise RunFailed("checkpoint.h5: an older version wrote it. Run the scene again.")
         self._place(saved["initial"], saved["shell"])
         if not self.case.exists:
             self.case.create(self.mesh_points, viscosity=self.viscosity)
-        self.time, self.steps = float(saved["time"][0]), int(saved["time"][1])
+        self.time, self._previous_dt = saved["clock"].tolist()
         self._following.return_to(saved["points"])
         self._moving.restore(saved["moving"])
         self._sliding.restore(saved["sliding"])

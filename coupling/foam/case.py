@@ -39,6 +39,7 @@ class Case:
     """
 
     solver = "restart"
+    uneven_steps = False  # a restarted stock solver takes the step before for as long as its own
 
     def __init__(
         self, folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: float
@@ -112,6 +113,7 @@ class Case:
         Returns p*/rho (c,) [m^2/s^2] and U (c, 3) [m/s] of the cells at ``end``. The fields at
         ``start`` stay: the call can be repeated. Raises ``OpenFoamFailed``.
         """
+        self._refuse_uneven(start, end)
         origin, result = self.time_folder(start) / "polyMesh", self.time_folder(end)
         origin.mkdir(exist_ok=True)
         fields.write_points(origin / "points0", points)
@@ -123,6 +125,16 @@ class Case:
         )  # fmt: skip
         cells = self.mesh.cells
         return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
+
+    def _refuse_uneven(self, start: float, end: float) -> None:
+        known = self.time_folder(start) / "uniform" / "time"
+        last = re.search(r"deltaT\s+(\S+);", known.read_text()) if known.is_file() else None
+        if last is not None and abs(float(last[1]) / (end - start) - 1.0) > 1e-6:
+            raise OpenFoamFailed(
+                f"t = {end:.6g} s: the step before was one of {last[1]} s, and a restarted "
+                f"{self.openfoam.solver.name} goes on by the same only. Run 'edt build-solver', "
+                "set openfoam.keep_alive = true, then resume."
+            )
 
     def _write_step(self, start: float, end: float) -> None:
         walls = self.openfoam.walls

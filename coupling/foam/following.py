@@ -16,7 +16,7 @@ from coupling.foam.geometry import (
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.interface import swept_gradient
-from coupling.ports import Array, Ints, RunFailed
+from coupling.ports import Array, Ints, RunFailed, StepFailed
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
 BETTER = 5.0  # degrees that a new mesh must gain
@@ -104,7 +104,7 @@ class FollowingMesh:
 
         What of it lies beyond the shell, where a linear map may throw it in a slam, stays inside.
         Every cell has a volume then; a corner of one may be inverted until the next step relaxes.
-        Raises ``RunFailed`` where no mesh is found; ``moment`` says when.
+        Raises ``StepFailed`` where no mesh is found; ``moment`` says when.
         """
         patch = self._inside(patch)
         outline = self._outline(patch)
@@ -173,7 +173,7 @@ class FollowingMesh:
                 return points, geometry
             place = ", ".join(f"{x:.3f}" for x in geometry.centre[np.argmin(geometry.volume)])
             why = f"a cell near ({place}) m is turned inside out"
-        raise RunFailed(
+        raise StepFailed(
             f"{moment}: no valid mesh of the liquid was found below the diaphragm: {why}. "
             "Lower motion.amplitude, or take model.fluid = 'potential', which needs no mesh."
         )

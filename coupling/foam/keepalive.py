@@ -37,6 +37,7 @@ class AliveCase(Case):
     """
 
     solver = "keep-alive"
+    uneven_steps = True
 
     def __init__(
         self, folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: float

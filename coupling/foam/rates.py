@@ -11,20 +11,27 @@ class FluxRate:
     """Rate of change of the fluxes of ``count`` faces, from the volumes they sweep step by step."""
 
     def __init__(self, count: int) -> None:
-        self._past = np.zeros((3, count))  # swept [m^3] in the last step; flux [m^3/s], one before
+        self._past = np.zeros((3, count))  # mean flux of the last step; flux at its end, before it
         self._now = self._past
 
-    def __call__(self, swept: Array, dt: float, *, first: bool) -> Array:
+    def __call__(self, swept: Array, dt: float, previous_dt: float) -> Array:
         """d(flux)/dt (k,) [m^3/s^2] at the end of a step of ``dt`` [s] that sweeps ``swept`` (k,).
 
-        Euler's in a run's ``first`` step. The call can be repeated.
+        ``previous_dt`` [s] is the length of the step before, 0 in a run's first, which is Euler's.
+        The call can be repeated.
         """
-        before, flux_0, flux_1 = self._past
-        flux = swept / dt if first else (1.5 * swept - 0.5 * before) / dt
-        self._now = np.stack([swept, flux, flux_0])
-        if first:
+        mean_0, flux_0, flux_1 = self._past
+        mean, before = swept / dt, 0.0
+        if previous_dt > 0.0:
+            before = dt / (dt + previous_dt)
+        flux = (1.0 + before) * mean - before * mean_0
+        self._now = np.stack([mean, flux, flux_0])
+        if not previous_dt > 0.0:
             return np.asarray((flux - flux_0) / dt)
-        return np.asarray((1.5 * flux - 2.0 * flux_0 + 0.5 * flux_1) / dt)
+        older = before * dt / previous_dt
+        return np.asarray(
+            ((1.0 + before) * flux - (1.0 + before + older) * flux_0 + older * flux_1) / dt
+        )
 
     def accept_step(self) -> None:
         """Commit the last call."""

@@ -11,6 +11,7 @@ import pytest
 from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
 from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
 
+from cloth.inertia import kinematics
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.fields import read_cells, read_points
@@ -145,6 +146,29 @@ def test_first_pressure_is_that_of_the_added_mass(flow):
     acceleration = (target - start) / STEP**2
     expected = -inertia.force(acceleration)
     assert np.linalg.norm(force - expected) < 0.02 * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize("cells", [176, 540])
+def test_pressure_of_uneven_steps_is_that_of_the_added_mass(tmp_path, alive, cells):
+    # As above, for accelerations that take the last steps' lengths into account as the solver does.
+    flow = flow_at_rest(tmp_path / "foam", cells, openfoam=alive)
+    inertia = added_mass(
+        NeumannLaplacian(flow.mesh, cell_geometry(flow.mesh, flow.mesh_points)),
+        flow.points,
+        DENSITY,
+    )
+    place, speed = [flow.points] * 2, [np.zeros_like(flow.points)] * 2
+    previous = 0.0
+    for dt, size in ((STEP, 1e-5), (STEP / 2, 2e-5), (STEP / 4, -1e-5), (STEP, 3e-5)):
+        target = moved(flow, size)
+        step = kinematics(dt, previous, place[0], speed[0], place[1], speed[1])
+        flow.begin_step(flow.time, dt)
+        force = pressure_force(target, flow.faces, flow.solve(target))
+        flow.accept_step()
+        expected = -inertia.force((target - step.prediction) / step.b**2)
+        assert np.linalg.norm(force - expected) < 0.02 * np.linalg.norm(expected)
+        place, speed, previous = [target, place[0]], [step.velocity(target), speed[0]], dt
+    flow.close()
 
 
 def test_added_mass_of_a_moving_flow_is_that_of_the_steps_end(flow):

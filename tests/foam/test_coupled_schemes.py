@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from coupling.driver import run
+from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.ports import StepFailed
 from coupling.results import read_results
 from coupling.scene import scene_from
 
@@ -12,19 +14,20 @@ pytestmark = pytest.mark.openfoam
 TOLERANCE = 1e-4
 
 
+SCENE = {
+    "tank": {"radius": 0.4445},
+    "diaphragm": {"material": "AF-E-332", "thickness": 0.001778},
+    "liquid": {"name": "water", "fill_fraction": 0.8},
+    "motion": {"kind": "sine", "frequency": 1.25, "amplitude": 0.25, "ramp": 0.5},
+    "cloth": {"resolution": 8, "iterations": 60},
+    "openfoam": {"cells": 352},
+    "coupling": {"tolerance": TOLERANCE, "max_iterations": 60},
+    "time": {"duration": 0.03, "step": 0.01, "output_every": 1},
+}
+
+
 def coupled(folder, scheme):
-    scene = scene_from(
-        {
-            "tank": {"radius": 0.4445},
-            "diaphragm": {"material": "AF-E-332", "thickness": 0.001778},
-            "liquid": {"name": "water", "fill_fraction": 0.8},
-            "motion": {"kind": "sine", "frequency": 1.25, "amplitude": 0.25, "ramp": 0.5},
-            "cloth": {"resolution": 8, "iterations": 60},
-            "openfoam": {"cells": 352},
-            "coupling": {"scheme": scheme, "tolerance": TOLERANCE, "max_iterations": 60},
-            "time": {"duration": 0.03, "step": 0.01, "output_every": 1},
-        }
-    )
+    scene = scene_from(SCENE | {"coupling": SCENE["coupling"] | {"scheme": scheme}})
     return run(scene, folder), folder
 
 
@@ -52,6 +55,45 @@ def test_a_map_made_anew_within_the_step_leads_to_the_same_motion(best, tmp_path
     # Both are converged to 1e-4 on the interface. The maps differ by how far the step ends from
     # where it was heading, a share of the step's own length of the order of dt times the rate.
     assert np.abs(one - other).max() < 1e-3 * np.abs(one - one[0]).max()
+
+
+@pytest.mark.usefixtures("alive")
+def test_a_step_that_fails_is_taken_in_parts(tmp_path, monkeypatch):
+    # Parts are steps like others: the same as where all steps are as short, but for what the
+    # coupling's tolerance leaves, which the longer step's floor makes up to four times as large.
+    whole = SCENE | {"time": SCENE["time"] | {"step": 0.005, "output_every": 2}}
+    wanted = run(scene_from(whole), tmp_path / "short")
+    solve = OpenFoamFlow.solve
+
+    def too_long(flow, points):
+        if flow.dt > 0.005:
+            raise StepFailed("too long")
+        return solve(flow, points)
+
+    monkeypatch.setattr(OpenFoamFlow, "solve", too_long)
+    summary = run(scene_from(SCENE), tmp_path / "parts")
+    assert (summary["status"], summary["halved_steps"], summary["steps"]) == ("completed", 3, 3)
+    assert summary["coupling"]["unconverged_steps"] == 0
+    means = [found["coupling"]["iterations_mean"] for found in (wanted, summary)]
+    assert means[1] == pytest.approx(2 * means[0] + 1, abs=1)  # a whole step, once in vain
+    assert "is taken as two: too long" in (tmp_path / "parts" / "log.txt").read_text()
+    one, other = (read_results(tmp_path / name) for name in ("short", "parts"))
+    assert one.time == pytest.approx(other.time)
+    moved = np.abs(one.position - one.position[0]).max()
+    assert np.abs(one.position - other.position).max() < 10 * TOLERANCE * moved
+    works = [results.metrics["pressure_work"][-1] for results in (one, other)]
+    assert works[0] == pytest.approx(works[1], rel=1e-2)
+
+
+@pytest.mark.usefixtures("alive")
+def test_a_step_that_fails_in_all_parts_ends_the_run(tmp_path, monkeypatch):
+    def never(flow, points):
+        raise StepFailed(f"{flow.dt} s is too long")
+
+    monkeypatch.setattr(OpenFoamFlow, "solve", never)
+    summary = run(scene_from(SCENE), tmp_path)
+    assert summary["status"] == "failed"
+    assert "0.00125 s is too long" in summary["error"]  # a step of 0.01 s, halved three times
 
 
 def test_aitken_reaches_the_same_motion(best, tmp_path):

@@ -211,6 +211,31 @@ def test_length_of_a_repeated_step_may_change(flow_of, alive):
     assert (answers[0] == answers[1]).all()
 
 
+def test_uneven_steps_go_on_from_files(flow_of, alive):
+    """The solver knows the last step's length, whether it took it itself or reads of it."""
+    staying, closed = flow_of(alive), flow_of(alive)
+    pressures = []
+    for flow in (staying, closed):
+        for dt, size in zip((STEP, STEP / 2, STEP / 2, STEP), SIZES, strict=True):
+            flow.begin_step(flow.time, STEP)
+            flow.solve(moved(flow, size))
+            flow.begin_step(flow.time, dt)
+            pressures.append(flow.solve(moved(flow, size)).copy())
+            flow.accept_step()
+            if flow is closed:
+                flow.close()
+    for one, other in zip(pressures[:4], pressures[4:], strict=True):
+        assert distance(one, other) < SOLVER_TOLERANCE
+
+
+def test_restarts_refuse_uneven_steps(flow_of):
+    flow = flow_of(find_openfoam())
+    stepped(flow, 0)
+    flow.begin_step(flow.time, STEP / 2)
+    with pytest.raises(OpenFoamFailed, match=r"step before was one of 0\.005 s"):
+        flow.solve(moved(flow, SIZES[1]))
+
+
 def process_of(flow):
     return flow.case._pipes._process.pid
 

@@ -24,6 +24,7 @@ int main(int argc, char *argv[])
     diesWithParent();
 
     StepTime runTime(Time::controlDictName, args);
+    runTime.readLastLength();
     #include "createDynamicFvMesh.H"
     #include "initContinuityErrs.H"
     #include "createDyMControls.H"
