@@ -33,7 +33,7 @@ def main(picture: Path = PICTURE) -> None:
         )  # fmt: skip
     line = np.geomspace(0.06, 6.0, 2)
     axes.plot(line, line**2, color="black", linewidth=1.0, label=r"$(f/f_1)^2$")
-    axes.set(xscale="log", yscale="log", xlabel=r"$f/f_1$", ylim=(1e-3, 50.0))
+    axes.set(xscale="log", yscale="log", xlabel=r"$f/f_1$", ylim=(1e-4, 50.0))
     axes.set_ylabel("error of the CG's motion, $|c - c_{ref}|/|c_{ref}|$")
     for level in (0.01, 0.05, 0.2):
         axes.axhline(level, color="grey", linewidth=0.6, linestyle=":")

@@ -62,7 +62,7 @@ def test_a_run_stands_where_there_is_nothing_to_check_it_with(tmp_path):
         | {"motion": {"kind": "sine", "frequency": 0.35, "acceleration": 1.0}}
         | {"openfoam": {"command": "no-such-solver"}}
         | {"time": {"settle": 0.5, "duration": 0.2, "step": 0.05}}
-        | {"model": {"fluid": "auto", "tolerance": 0.12}}
+        | {"model": {"fluid": "auto", "tolerance": 0.05}}  # (f/f1)^2 is 0.10
     )
     assert choose(scene).fluid == "potential"
     summary = run_auto(scene, tmp_path / "run")
