@@ -11,23 +11,23 @@ from coupling.ports import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Convergence:
-    """rms(residual) <= tolerance * (rms(increment) + floor).
+    """rms(residual) <= tolerance * (rms(increment) + acceleration dt^2).
 
-    ``floor`` [m] keeps the test meaningful for a step that hardly moves, as the first one from
-    rest: with the distance |g| dt^2, an error of tolerance * floor in the displacement changes the
-    liquid's pressure by tolerance times its hydrostatic part.
+    The latter keeps the test meaningful for a step that hardly moves, as the first one from rest:
+    with an ``acceleration`` [m/s^2] of |g|, an error of tolerance times that in the displacement
+    changes the liquid's pressure by tolerance times its hydrostatic part.
     """
 
     tolerance: float
-    floor: float
+    acceleration: float
 
-    def relative(self, residual: Array, increment: Array) -> float:
+    def relative(self, residual: Array, increment: Array, dt: float) -> float:
         """Residual over what it is measured by; converged at or below ``tolerance``.
 
         ``residual``: interface displacement (p, 3) [m] a further iteration would add;
-        ``increment``: that of the whole step.
+        ``increment``: that of the whole step of ``dt`` [s].
         """
-        return rms(residual) / (rms(increment) + self.floor)
+        return rms(residual) / (rms(increment) + self.acceleration * dt**2)
 
     def is_far(self, relative: list[float]) -> bool:
         """Whether iterations that left ``relative`` residuals have come less than half the way."""

@@ -31,13 +31,15 @@ SLOW, MAPS = 8, 3  # iterations on a map before its rate is judged; maps of a st
 class StepOutcome:
     """What a coupled step took, in all parts and tries.
 
-    ``residual`` is relative, as ``Convergence`` has it, and the largest of the parts.
+    ``residual`` is relative, as ``Convergence`` has it, and the largest of the parts. ``sample`` is
+    that of the end, with the work of all ``parts``.
     """
 
     iterations: int
     residual: float
     converged: bool
     sample: FlowSample
+    parts: list[FlowSample]
 
 
 class CoupledStep:
@@ -86,12 +88,12 @@ class CoupledStep:
 
         Iterations that end before they have converged are no failure; ``told`` says so.
         """
-        begun = self.mapping.save()
+        begun, scheme = self.mapping.save(), self.scheme.save()
         try:
             self._solve(time, dt, load, begun)
         except (StepFailed, ArithmeticError):
             self.mapping.restore(begun)
-            self._defects.forget()
+            self.scheme.restore(scheme)
             raise
         return True
 
@@ -113,7 +115,7 @@ class CoupledStep:
                 if self._inertia is not None:
                     force = force + self._inertia.force(acceleration)
                 image = self._structure_answer(force)
-            relative = self.convergence.relative(image - x, x - self._start)
+            relative = self.convergence.relative(image - x, x - self._start, dt)
             residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
             self._residual = relative
@@ -132,12 +134,12 @@ class CoupledStep:
             with self._timed("mapping"):
                 x = self.flow.close_volume(update)
         if self._inertia is not None:
-            self._defect = pressure + self._inertia.pressure(acceleration)
+            self._defect = pressure + self._inertia.pressure(acceleration), dt
 
     def accept(self) -> None:
         """Commit the last attempt."""
         if self._inertia is not None:
-            self._defects.add(self._defect)
+            self._defects.add(*self._defect)
         self.scheme.accept_step()
         self.structure.accept_step()
         self._parts.append((self._residual, self.flow.accept_step()))
@@ -152,6 +154,7 @@ class CoupledStep:
             residual=residual,
             converged=residual <= self.convergence.tolerance,
             sample=replace(last, pressure_work=sum(sample.pressure_work for _, sample in parts)),
+            parts=[sample for _, sample in parts],
         )
 
     def _heading(self, dt: float) -> Array:
@@ -183,7 +186,7 @@ class CoupledStep:
         with self._timed("mapping"):
             rows = self.mapping.rows_to_cloth(self._inertia.rows)
         self._begin_structure(dt, load, rows)
-        defect = self._defects.next(len(self.flow.faces))
+        defect = self._defects.next(len(self.flow.faces), dt)
         return self._structure_answer(pressure_force(ahead, self.flow.faces, defect))
 
     def _begin_structure(self, dt: float, load: HydrostaticLoad, rows: Array | None = None) -> None:
@@ -201,8 +204,10 @@ class CoupledStep:
     @contextmanager
     def _timed(self, part: str) -> Iterator[None]:
         clock = perf_counter()
-        yield
-        self.wall[part] += perf_counter() - clock
+        try:
+            yield
+        finally:
+            self.wall[part] += perf_counter() - clock
 
     def save(self) -> dict[str, Array]:
         """The predictor's history."""

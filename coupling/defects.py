@@ -23,16 +23,23 @@ class Defects:
     """
 
     def __init__(self) -> None:
-        self._past: list[Array] = []  # newest first
+        self._past: list[Array] = []  # newest first, of steps of one length
+        self._dt = 0.0  # that length
 
-    def add(self, defect: Array) -> None:
-        """Append that of the step just accepted (F,) [Pa]."""
-        self._past = [defect, *self._past][:_KEPT]
+    def add(self, defect: Array, dt: float) -> None:
+        """Append that of the step of ``dt`` [s] just accepted (F,) [Pa]."""
+        self._past = [defect, *(self._past if dt == self._dt else [])][:_KEPT]
+        self._dt = dt
 
-    def next(self, faces: int) -> Array:
-        """The coming step's (F,) [Pa], zero before the first."""
+    def next(self, faces: int, dt: float) -> Array:
+        """The coming step's (F,) [Pa], of ``dt`` [s]; zero before the first.
+
+        The last one where that was of another length: there is no trend to go on with.
+        """
         if not self._past:
             return np.zeros(faces)
+        if dt != self._dt:
+            return self._past[0]
         known = [weights for weights in EXTRAPOLATIONS if len(weights) < len(self._past)]
         newest, before = self._past[0], self._past[1:]
         best = min(known, key=lambda w: _distance(_combined(w, before), newest), default=(1.0,))
@@ -40,18 +47,16 @@ class Defects:
         most = _distance(newest, before[0]) if before else 0.0
         return newest + change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-300))
 
-    def forget(self) -> None:
-        """Keep the last one alone: of steps of another length, others tell of no trend."""
-        self._past = self._past[:1]
-
     def save(self) -> dict[str, Array]:
-        """The defects by ``defect0``, ``defect1`` ..."""
-        return {f"defect{number}": defect for number, defect in enumerate(self._past)}
+        """The defects by ``defect0``, ``defect1`` ... and the length of their steps."""
+        past = {f"defect{number}": defect for number, defect in enumerate(self._past)}
+        return past | {"defects_dt": np.array([self._dt])}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``; other entries are let be."""
-        count = sum(name.startswith("defect") for name in saved)
+        count = sum(name.removeprefix("defect").isdigit() for name in saved)
         self._past = [saved[f"defect{number}"] for number in range(count)]
+        self._dt = float(saved["defects_dt"][0])
 
 
 def _combined(weights: tuple[float, ...], past: list[Array]) -> Array:

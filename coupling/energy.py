@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from cloth.energy import SheetEnergy
+from cloth.energy import SheetEnergy, SheetLosses
 from coupling.ports import Array, DiaphragmState, HydrostaticLoad, LiquidSample, RunFailed
 from coupling.scene import Scene
 from coupling.structure import Diaphragm, liquid_cg
@@ -151,9 +151,12 @@ def instant_of(
     load: HydrostaticLoad,
     liquid: LiquidSample | None,
     scene: Scene,
+    losses: SheetLosses,
 ) -> Instant:
-    """The instant of a ``cloth`` in ``state`` under ``load``, with a ``liquid`` that flows."""
-    losses = cloth.losses()
+    """The instant of a ``cloth`` in ``state`` under ``load``, with a ``liquid`` that flows.
+
+    ``losses``: the cloth's, means over the step that ends here.
+    """
     cg = liquid_cg(state.position, cloth.triangles, scene.tank.radius, state.volume)
     return Instant(
         acceleration=np.array(scene.gravity) - load.body_force,

@@ -9,6 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
+from cloth.energy import SheetLosses
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
 from coupling.energy import Instant, instant_of
@@ -41,6 +42,7 @@ class Participants:
         self.cloth = diaphragm_of(scene)
         self.tally = Tally(scene, self.cloth.thickness)
         self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
+        self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
 
     def settle(self) -> None:
         """Bring the diaphragm to rest at its level. Raises ``RunFailed`` where it finds none."""
@@ -89,10 +91,10 @@ class Participants:
         scheme, added_mass = scheme_named(
             scene.coupling.scheme, relaxation=scene.coupling.relaxation, reuse=scene.coupling.reuse
         )
-        floor = float(np.linalg.norm(scene.gravity)) * scene.time.step**2
+        gravity = float(np.linalg.norm(scene.gravity))
         self.step = CoupledStep(
             self.cloth, self.flow, self.mapping, scheme, added_mass=added_mass,
-            convergence=Convergence(tolerance=scene.coupling.tolerance, floor=floor),
+            convergence=Convergence(tolerance=scene.coupling.tolerance, acceleration=gravity),
             max_iterations=scene.coupling.max_iterations, record=record,
         )  # fmt: skip
 
@@ -104,13 +106,16 @@ class Participants:
         dt, tally, step = self.scene.time.step, self.tally, self.step
         clock = perf_counter()
         whole = isinstance(step, CoupledStep) and not self.flow.case.uneven_steps
-        parts = advance(step, now, dt, self.load, halvings=0 if whole else HALVINGS)
+        self._parts = []
+        parts = advance(
+            step, now, dt, self.load, halvings=0 if whole else HALVINGS, taken=self._taken
+        )
         if isinstance(step, CoupledStep):
             return self._coupled(step, after, parts)
         tally.seconds("structure", clock)
         state = self.cloth.state
         tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
-        tally.structure(after, state, converged=self.cloth.converged, steps=parts)
+        tally.structure(after, state, converged=self._converged, steps=parts)
         if isinstance(step, DryStep):
             return None, 1, 0.0
         sample, shapes, residual = step.told()
@@ -120,6 +125,23 @@ class Participants:
         tally.liquid(sample, shapes)
         return sample, shapes, residual
 
+    def _taken(self, dt: float) -> None:
+        """Note the end of a part of ``dt`` [s]."""
+        self._parts.append((dt, self.cloth.losses(), self.cloth.converged))
+        self.tally.stretched(self.cloth.state)
+
+    @property
+    def _converged(self) -> bool:
+        return all(converged for _, _, converged in self._parts)
+
+    def _losses(self) -> SheetLosses:
+        """Means over the last step."""
+        length = sum(dt for dt, _, _ in self._parts) or 1.0
+        return SheetLosses(
+            bending=sum(dt * losses.bending for dt, losses, _ in self._parts) / length,
+            drag=sum(dt * losses.drag for dt, losses, _ in self._parts) / length,
+        )
+
     def _coupled(
         self, step: CoupledStep, after: float, parts: int
     ) -> tuple[FlowSample, int, float]:
@@ -128,7 +150,7 @@ class Participants:
             self.tally.statistics.wall_by_part[part] += seconds
             step.wall[part] = 0.0
         self.tally.coupling(after, outcome)
-        self.tally.structure(after, self.cloth.state, converged=self.cloth.converged, steps=parts)
+        self.tally.structure(after, self.cloth.state, converged=self._converged, steps=parts)
         return outcome.sample, outcome.iterations, outcome.residual
 
     def load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:
@@ -138,7 +160,9 @@ class Participants:
 
     def instant(self, time: float, liquid: LiquidSample | None) -> Instant:
         """What the energy balance needs to know of the committed state at ``time`` [s]."""
-        return instant_of(self.cloth, self.cloth.state, self.load(time), liquid, self.scene)
+        return instant_of(
+            self.cloth, self.cloth.state, self.load(time), liquid, self.scene, self._losses()
+        )
 
     def sample(
         self,

@@ -168,12 +168,13 @@ def advance(
     load: Callable[[float], HydrostaticLoad],
     *,
     halvings: int = HALVINGS,
+    taken: Callable[[float], None] = lambda _: None,
 ) -> int:
     """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(time)``; parts that it took.
 
     A step that does not converge is taken again as two of half its length, ``halvings`` times at
     most; the last is accepted as it is, unless it fails. Raises its ArithmeticError or
-    ``StepFailed`` then.
+    ``StepFailed`` then. ``taken`` is told the length [s] of every part, once accepted.
     """
     try:
         good = step.attempt(now, dt, load(now + dt)) or halvings == 0
@@ -184,10 +185,11 @@ def advance(
         good = False
     if good:
         step.accept()
+        taken(dt)
         return 1
     half = 0.5 * dt
-    first = advance(step, now, half, load, halvings=halvings - 1)
-    return first + advance(step, now + half, half, load, halvings=halvings - 1)
+    first = advance(step, now, half, load, halvings=halvings - 1, taken=taken)
+    return first + advance(step, now + half, half, load, halvings=halvings - 1, taken=taken)
 
 
 def liquid_cg(position: Array, triangles: Ints, radius: float, volume: float) -> Array:

@@ -27,17 +27,20 @@ class Tally:
         """Add the wall time since ``since`` (a ``perf_counter``) to ``part``."""
         self.statistics.wall_by_part[part] += perf_counter() - since
 
-    def structure(self, time: float, state: DiaphragmState, *, converged: bool, steps: int) -> None:
-        """The diaphragm's end of a step, which it took ``steps`` parts for."""
+    def stretched(self, state: DiaphragmState) -> None:
+        """The diaphragm at the end of a part of a step."""
         strain = float(state.strain.max(initial=0.0))
         statistics = self.statistics
         statistics.strain_tensile_max = max(statistics.strain_tensile_max, strain)
-        statistics.halved_steps += steps > 1
         statistics.tension_max = max(statistics.tension_max, float(state.tension.max()))
         stress = float((state.tension / self.thickness).max())
         statistics.stress_max = max(statistics.stress_max, stress)
+
+    def structure(self, time: float, state: DiaphragmState, *, converged: bool, steps: int) -> None:
+        """The diaphragm's end of a step, of ``steps`` parts which all ``converged``, or not."""
+        self.statistics.halved_steps += steps > 1
         if not converged:
-            limit = self.scene.cloth.strain_limit
+            limit, strain = self.scene.cloth.strain_limit, float(state.strain.max(initial=0.0))
             self._unconverged(
                 f"t = {time:.6g} s: the diaphragm's solver left a tensile strain of {strain:.2e} "
                 f"(cloth.strain_limit {limit:g}).",
@@ -53,17 +56,24 @@ class Tally:
         statistics = self.statistics
         statistics.iterations_total += iterations
         statistics.iterations_max = max(statistics.iterations_max, iterations)
+        self.flow(sample)
+
+    def flow(self, sample: LiquidSample) -> None:
+        """A moving liquid at the end of a part of a step."""
+        statistics = self.statistics
         statistics.speed_max = max(statistics.speed_max or 0.0, sample.speed_max)
         statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, sample.dphi_dt_max)
 
     def coupling(self, time: float, outcome: StepOutcome) -> None:
         """A coupled step; raises ``RunFailed`` when too many did not converge."""
         self.liquid(outcome.sample, outcome.iterations)
-        self.volume(outcome.sample.volume_error)
+        for part in outcome.parts:
+            self.flow(part)
+            self.volume(part.volume_error)
         if not outcome.converged:
             self._unconverged(
                 f"t = {time:.6g} s: the coupling left a relative residual of "
-                f"{outcome.residual:.1e} after {outcome.iterations} iterations (tolerance "
+                f"{outcome.residual:.1e} after {outcome.iterations} iterations in all (tolerance "
                 f"{self.scene.coupling.tolerance:g}).",
                 "Halve time.step, raise coupling.max_iterations, or take coupling.scheme = "
                 "'added-mass'.",

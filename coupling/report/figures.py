@@ -99,6 +99,8 @@ def coupling_figure(run: RunFiles) -> Picture:
     """Iterations of each step, and the residual they left."""
     time, iteration, residual, _ = run.iterations.T
     last = np.append(time[1:] != time[:-1], True)
+    earliest_after = np.append(np.minimum.accumulate(time[::-1])[::-1][1:], np.inf)
+    last &= time < earliest_after  # a try that failed is followed by parts that end before it
     figure = new_figure(height=3.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.4))
     upper.step(*thinned(time[last], iteration[last]), where="mid", color=INK, linewidth=1.0)

@@ -106,7 +106,7 @@ def _recorded(flow: OpenFoamFlow, step: float) -> tuple[Array, Array, Array, flo
     scheme, added_mass = scheme_named("added-mass", relaxation=1.0, reuse=0)
     coupled = CoupledStep(
         surface, flow, Matching(), scheme, added_mass=added_mass, max_iterations=30,
-        convergence=Convergence(tolerance=1e-4, floor=GRAVITY * step**2 * TILT),
+        convergence=Convergence(tolerance=1e-4, acceleration=GRAVITY * TILT),
         record=lambda *_: None,
     )  # fmt: skip
     motion = SineMotion(

@@ -95,7 +95,7 @@ def _release(
 
     coupled = CoupledStep(
         body, flow, Matching(), coupling, added_mass=added_mass, max_iterations=200, record=record,
-        convergence=Convergence(tolerance=TOLERANCE, floor=OMEGA**2 * AMPLITUDE * step**2),
+        convergence=Convergence(tolerance=TOLERANCE, acceleration=OMEGA**2 * AMPLITUDE),
     )  # fmt: skip
     load = HydrostaticLoad(density=DENSITY, body_force=np.zeros(3))
     steps = int(np.ceil(PERIODS * 2 * np.pi / OMEGA / step))

@@ -30,7 +30,7 @@ def coupled_release(
     scheme, added_mass = scheme_named("added-mass", relaxation=1.0, reuse=0)
     coupled = CoupledStep(
         surface, flow, Matching(), scheme, added_mass=added_mass, max_iterations=30,
-        convergence=Convergence(tolerance=1e-4, floor=acceleration * step**2),
+        convergence=Convergence(tolerance=1e-4, acceleration=acceleration),
         record=lambda *_: None,
     )  # fmt: skip
     load = HydrostaticLoad(density=0.0, body_force=np.zeros(3))  # gravity is the surface's own

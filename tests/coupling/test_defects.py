@@ -5,7 +5,7 @@ import pytest
 
 from coupling.defects import Defects
 
-FACES = 5
+FACES, STEP = 5, 0.01
 
 
 def polynomial(degree, step):
@@ -14,58 +14,72 @@ def polynomial(degree, step):
 
 
 def test_nothing_is_known_before_the_first_step():
-    assert (Defects().next(FACES) == np.zeros(FACES)).all()
+    assert (Defects().next(FACES, STEP) == np.zeros(FACES)).all()
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_smooth_pressure_is_extrapolated_exactly_unless_its_changes_grow(degree):
     defects = Defects()
     for step in range(8, 3, -1):
-        defects.add(polynomial(degree, step))
-    assert defects.next(FACES) == pytest.approx(polynomial(degree, 3), abs=1e-11)
+        defects.add(polynomial(degree, step), STEP)
+    assert defects.next(FACES, STEP) == pytest.approx(polynomial(degree, 3), abs=1e-11)
 
 
 def test_growing_change_goes_on_where_it_heads_by_as_much_as_before():
     defects = Defects()
     for step in range(5):
-        defects.add(polynomial(2, step))
+        defects.add(polynomial(2, step), STEP)
     before, newest, exact = (polynomial(2, step) for step in (3, 4, 5))
     most = np.linalg.norm(newest - before)
     wanted = (exact - newest) * most / np.linalg.norm(exact - newest)
     assert np.linalg.norm(exact - newest) > most
-    assert defects.next(FACES) - newest == pytest.approx(wanted, abs=1e-11)
+    assert defects.next(FACES, STEP) - newest == pytest.approx(wanted, abs=1e-11)
 
 
 def test_noise_is_not_amplified():
     # A quadratic turns alternating noise into seven times itself, a constant into twice.
     defects, noise = Defects(), np.ones(FACES)
     for step in range(6):
-        defects.add((-1) ** step * noise)
-    assert np.abs(defects.next(FACES)).max() <= 1.0
+        defects.add((-1) ** step * noise, STEP)
+    assert np.abs(defects.next(FACES, STEP)).max() <= 1.0
 
 
 def test_growth_is_not_multiplied():
     defects = Defects()
     for step in range(4):
-        defects.add(np.full(FACES, 5.0**step))
-    assert defects.next(FACES) == pytest.approx(125.0 + (125.0 - 25.0))
+        defects.add(np.full(FACES, 5.0**step), STEP)
+    assert defects.next(FACES, STEP) == pytest.approx(125.0 + (125.0 - 25.0))
 
 
 def test_order_follows_the_last_step():
     defects = Defects()
     for value in (0.0, 1.0, 2.0, 3.0):
-        defects.add(np.full(FACES, value))
-    assert defects.next(FACES) == pytest.approx(4.0)
-    defects.add(np.full(FACES, 3.0))  # the slope is gone: a constant would have been right
-    assert defects.next(FACES) == pytest.approx(3.0)
+        defects.add(np.full(FACES, value), STEP)
+    assert defects.next(FACES, STEP) == pytest.approx(4.0)
+    defects.add(np.full(FACES, 3.0), STEP)  # the slope is gone: a constant would have been right
+    assert defects.next(FACES, STEP) == pytest.approx(3.0)
 
 
 def test_restored_defects_go_on_bit_for_bit():
     one, two = Defects(), Defects()
     for step in range(6):
-        one.add(polynomial(3, step))
+        one.add(polynomial(3, step), STEP)
     two.restore(one.save() | {"previous": np.zeros(3)})
-    assert (one.next(FACES) == two.next(FACES)).all()
+    assert (one.next(FACES, STEP) == two.next(FACES, STEP)).all()
     for defects in (one, two):
-        defects.add(polynomial(3, 6))
-    assert (one.next(FACES) == two.next(FACES)).all()
+        defects.add(polynomial(3, 6), STEP)
+    assert (one.next(FACES, STEP) == two.next(FACES, STEP)).all()
+
+
+def test_steps_of_another_length_tell_of_no_trend():
+    defects = Defects()
+    for value in (1.0, 2.0, 3.0):
+        defects.add(np.full(FACES, value), STEP)
+    assert defects.next(FACES, STEP) == pytest.approx(4.0)
+    assert defects.next(FACES, STEP / 2) == pytest.approx(3.0)
+    defects.add(np.full(FACES, 3.5), STEP / 2)
+    assert defects.next(FACES, STEP) == pytest.approx(3.5)
+    again = Defects()
+    again.restore(defects.save())
+    again.add(np.full(FACES, 4.0), STEP / 2)  # the first two of one length
+    assert again.next(FACES, STEP / 2) == pytest.approx(4.0)
