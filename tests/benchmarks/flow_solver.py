@@ -92,7 +92,9 @@ def continuous(case: Case, openfoam: OpenFoam, points: Array) -> tuple[float, fl
     control = case.folder / "system" / "controlDict"
     control.write_text(re.sub(r"(writeInterval +)1;", rf"\g<1>{STEPS};", control.read_text()))
     end = f"{STEPS * STEP:.12g}"
-    (case.folder / "system" / "step").write_text(f"startTime 0;\nendTime {end};\ndeltaT {STEP};\n")
+    step = case.folder / "system" / "step"  # with the walls' library, where it is
+    for name, value in (("endTime", end), ("deltaT", STEP)):
+        step.write_text(re.sub(rf"{name} .*;", f"{name} {value};", step.read_text()))
     run_program(
         openfoam.solver, case.folder, openfoam=openfoam, log=case.log, timeout=1e4, moment="all"
     )
