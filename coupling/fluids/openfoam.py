@@ -16,8 +16,8 @@ import numpy as np
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import CellGeometry
+from coupling.foam.gradients import gradients, wall_distance
 from coupling.foam.keepalive import case_of
-from coupling.foam.laplacian import wall_distance
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate
@@ -133,15 +133,16 @@ class OpenFoamFlow:
         self._pressure = self.density * pressure
         self._swept = swept[: self.mesh.diaphragm_faces]
         wall = self._wall_pressure(self._swept)
+        faces = self.mesh.diaphragm_faces
         area = np.linalg.norm(self._now.face_area[self.mesh.diaphragm], axis=1)
-        self._level = float(wall @ area / area.sum())
-        self._face_pressure = wall - self._level
+        self._boundary_pressure = wall - float(wall[:faces] @ area / area.sum())
+        self._face_pressure = self._boundary_pressure[:faces]
         return self._face_pressure
 
     def _wall_pressure(self, swept: Array) -> Array:
-        """The cells' p* carried over the half cell to the wall: p - rho d a_n.
+        """The cells' p* carried on to the walls (B,): aside on all, across on the diaphragm.
 
-        What sliding points ask of the pressure is taken off before.
+        The shell is at rest. What sliding points ask of the pressure is taken off before.
         """
         rate = self._moving(swept, self.dt, self._previous_dt)
         if self._rate is not None:
@@ -152,8 +153,10 @@ class OpenFoamFlow:
             rate = rate - self._rate[: self.mesh.diaphragm_faces]
         patch = self.mesh.diaphragm
         area = np.linalg.norm(self._now.face_area[patch], axis=1)
-        missing = self.density * wall_distance(self.mesh, self._now) * rate / area
-        return np.asarray(self._pressure[self.mesh.owner[patch]] - missing)
+        own = self.mesh.owner[self.mesh.inner_faces :]
+        wall = gradients(self.mesh, self._now).on_walls(own, self._pressure)
+        wall[: len(rate)] -= self.density * wall_distance(self.mesh, self._now) * rate / area
+        return wall
 
     @property
     def _now(self) -> CellGeometry:
@@ -185,9 +188,7 @@ class OpenFoamFlow:
     def _sample(self, walls: WallFlow, work: float) -> FlowSample:
         mesh, geometry = self.mesh, self._following.geometry
         boundary = slice(mesh.inner_faces, None)
-        pressure = self._pressure[mesh.owner[boundary]] - self._level
-        pressure[: mesh.diaphragm_faces] = self._face_pressure
-        force = pressure[:, None] * geometry.face_area[boundary]
+        force = self._boundary_pressure[:, None] * geometry.face_area[boundary]
         speed = np.linalg.norm(self._velocity, axis=1)
         wall_speed = speed[mesh.owner[mesh.diaphragm]]
         rate = self._face_pressure / self.density + 0.5 * wall_speed**2

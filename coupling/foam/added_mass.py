@@ -5,9 +5,9 @@ cells, the same face coefficients (``Gauss linear corrected``), the same wall pr
 scheme that takes it into the structure's inertia therefore has little left to iterate; an
 under-estimate of any short wave would diverge. Only what ``skewCorrected`` adds to the gradients
 of non-orthogonal fluxes is left out, half a per cent: it would take a third layer of neighbours.
-OpenFOAM's answer on the wall is not quite symmetric, by 4 per cent of its norm on a bent mesh; the
+OpenFOAM's answer on the wall is not quite symmetric, by 1 per cent of its norm on a bent mesh; the
 structure takes the symmetric part, and the rest is iterated. Where the walls' library has not been
-built, OpenFOAM lacks the wall's own pressure that is reckoned with here, 1 to 2 per cent.
+built, OpenFOAM lacks the walls' own pressure that is reckoned with here, by some per cent.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from coupling.foam.geometry import CellGeometry
-from coupling.foam.laplacian import SYMMETRIC, eliminated, wall_distance, wall_layer, wall_source
+from coupling.foam.gradients import gradients, wall_distance
+from coupling.foam.laplacian import SYMMETRIC, eliminated, wall_layer, wall_source
 from coupling.foam.mesh import LiquidMesh
 from coupling.interface import swept_gradient
 from coupling.ports import AddedMass, Array
@@ -32,15 +33,17 @@ class NeumannLaplacian:
         self.mesh, self.geometry = mesh, geometry
         cells = eliminated(mesh)
         self._order, self._wall = cells.order, cells.wall
+        self._gradients = gradients(mesh, geometry)
         # relax: with SuperLU's own merging of columns it takes twice as long here.
-        matrix = cells.matrix(mesh, geometry)
+        matrix = cells.matrix(mesh, geometry, self._gradients.cells)
         self._solver = splu(matrix, permc_spec="NATURAL", relax=1, **SYMMETRIC)
         assert np.array_equal(self._solver.perm_r, np.arange(len(self._order))), "a pivot has moved"
 
     def trace(self) -> Array:
         """G (F, F) [1/m]: p_f = -rho (G a)_f for accelerations a of the flux [m^3/s^2], Sum a = 0.
 
-        p_f is the wall's value: the cell's, and what the half cell beyond adds. Symmetric;
+        p_f is the wall's value: the cell's, what its gradient adds along the wall, and the
+        acceleration over the half cell. Symmetric;
         accelerations with a net flux are answered up to a constant.
         """
         # With the wall's cells last, what is left of the others' elimination is the trace's
@@ -49,16 +52,28 @@ class NeumannLaplacian:
         lower, upper = (part[inner:, inner:].toarray() for part in (self._solver.L, self._solver.U))
         face = np.searchsorted(self._wall, mesh.owner[mesh.diaphragm])
         within = np.linalg.inv(lower @ upper)[np.ix_(face, face)]
-        # A flux acts on the cells below too. What p is there, for a source in the wall's cells,
-        # follows from what flows out of those: two-point fluxes will do for a correction.
-        source = wall_source(mesh, self.geometry)
+        # A flux acts on the cells below too, and the wall's value takes theirs. How p is there
+        # follows from what flows out of the wall's: two-point fluxes will do for a correction.
         beside, down = wall_layer(mesh, self.geometry)
         below = within - (np.eye(len(face)) - beside @ within) / down[:, None]
-        own = source[mesh.owner[mesh.diaphragm]].toarray()
-        trace = -within @ own + below.T * (1.0 + own.sum(axis=0))
+        own = wall_source(mesh, self.geometry)[mesh.owner[mesh.diaphragm]].toarray()
+        rest = -1.0 - own.sum(axis=0)  # of a flux, in the cell below
+        value, value_below = self._wall_weights()
+        trace = -value @ (within @ own + below.T * rest)
+        trace -= value_below[:, None] * (below @ own + below.T * rest)
         patch_area = np.linalg.norm(self.geometry.face_area[mesh.diaphragm], axis=1)
-        half_cell = np.diag(wall_distance(mesh, self.geometry) / patch_area)
-        return np.asarray(0.5 * (trace + trace.T) + half_cell)
+        half_cell = wall_distance(mesh, self.geometry) / patch_area
+        return np.asarray(0.5 * (trace + trace.T) + np.diag(half_cell))
+
+    def _wall_weights(self) -> tuple[Array, Array]:
+        """Weights of the wall's cells (F, F) and of those below (F,) in the diaphragm's values."""
+        mesh, count = self.mesh, self.mesh.diaphragm_faces
+        own, faces = mesh.owner[mesh.diaphragm], np.full(mesh.cells, -1)
+        faces[own] = np.arange(count)
+        weight, beside = self._gradients.walls[:count], faces[self._gradients.columns[own]]
+        value = np.zeros((count, count + 1))
+        np.add.at(value, (np.arange(count)[:, None], beside), weight)  # -1: below
+        return value[:, :count], value[:, count]
 
     def pressure(self, rate: Array) -> Array:
         """p/rho (c,) [m^2/s^2] in the cells that fluxes changing by ``rate`` ask for.

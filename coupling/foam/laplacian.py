@@ -1,9 +1,9 @@
 """OpenFOAM's ``Gauss linear corrected`` Laplacian (over-relaxed) of the cells, as a sparse matrix.
 
 A cell's gradient takes its own value and its neighbours'; a face's flux those of both its cells. So
-all matrices of a mesh have the same entries, whose places are found once. Beside a wall that
-accelerates, the gradient takes the wall's own pressure, of which the part that the acceleration
-makes stands on the right-hand side.
+all matrices of a mesh have the same entries, whose places are found once. Beside a wall the
+gradient takes the wall's own pressure, of which the part that the wall's acceleration makes stands
+on the right-hand side.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
 from coupling.foam.geometry import CellGeometry
+from coupling.foam.gradients import SLOTS, stencils, stencils_of, wall_distance
 from coupling.foam.mesh import LiquidMesh
 from coupling.ports import Array, Ints
 
 SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-SLOTS = 7  # of a gradient: a hexahedron and its neighbours
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,25 +32,26 @@ class Eliminated:
     """Order in which the cells are eliminated, and the entries of their matrix in that order.
 
     ``order`` (k,): all cells but one, which is held, the diaphragm's ``wall`` last. ``starts`` and
-    ``rows``: the columns. ``slots`` (inner, 2): where either cell of a face stands in the other's
-    gradient. ``places`` (inner, 2, SLOTS, 2): of each value in a face's flux, by the cell whose
-    gradient it is in, in the rows of owner and neighbour; the last place is the held cell's.
+    ``rows``: the columns. ``places`` (inner, 2, SLOTS, 2): of each value in a face's flux, by the
+    cell whose gradient it is in, in the rows of owner and neighbour; the last place is the held
+    cell's.
     """
 
     order: Ints
     wall: Ints
     starts: NDArray[np.int32]
     rows: NDArray[np.int32]
-    slots: Ints
     places: Ints
 
-    def matrix(self, mesh: LiquidMesh, geometry: CellGeometry) -> csc_array:
-        """Outward flux of -grad p (k, k) of every cell, in ``order``."""
+    def matrix(self, mesh: LiquidMesh, geometry: CellGeometry, gradient: Array) -> csc_array:
+        """Outward flux of -grad p (k, k) of every cell, in ``order``.
+
+        ``gradient`` (c, SLOTS, 3) [1/m]: ``Gradients.cells``.
+        """
         values = np.zeros(len(self.rows) + 1)
-        gradient = np.zeros((mesh.cells, SLOTS, 3))
         _fill(
-            mesh.owner, mesh.neighbour, geometry.volume, geometry.centre, geometry.face_centre,
-            geometry.face_area, self.slots, self.places, gradient, values,
+            mesh.owner, mesh.neighbour, geometry.centre, geometry.face_centre, geometry.face_area,
+            stencils(mesh).slots, self.places, gradient, values,
         )  # fmt: skip
         return csc_array((values[:-1], self.rows, self.starts), shape=(len(self.order),) * 2)
 
@@ -65,7 +66,7 @@ def _eliminated(owner: bytes, neighbour: bytes, stop: int) -> Eliminated:
     """``owner``, ``neighbour``: the mesh's, as bytes; ``stop``: where the wall's faces end."""
     owners, neighbours = np.frombuffer(owner, np.int64), np.frombuffer(neighbour, np.int64)
     wall, cells = np.unique(owners[len(neighbours) : stop]), int(owners.max()) + 1
-    slots, columns = _stencils(owners[: len(neighbours)], neighbours, cells)
+    columns = stencils_of(owner, neighbour, cells).columns
     own = np.repeat(np.arange(cells), SLOTS)
     near = csc_array(coo_array((np.ones(own.shape), (own, columns.ravel())), shape=(cells, cells)))
     near = csc_array(near @ near)
@@ -81,20 +82,8 @@ def _eliminated(owner: bytes, neighbour: bytes, stop: int) -> Eliminated:
     places = np.searchsorted(known, column * len(order) + row)
     places[np.broadcast_to((column < 0) | (row < 0), places.shape)] = len(known)
     return Eliminated(
-        order=order, wall=wall, starts=pattern.indptr, rows=pattern.indices, slots=slots,
-        places=places,
+        order=order, wall=wall, starts=pattern.indptr, rows=pattern.indices, places=places,
     )  # fmt: skip
-
-
-def _stencils(owner: Ints, neighbour: Ints, cells: int) -> tuple[Ints, Ints]:
-    """``slots`` of ``Eliminated``, and the cells (c, SLOTS) in a gradient: itself, neighbours."""
-    columns = np.repeat(np.arange(cells)[:, None], SLOTS, axis=1)
-    slots, count = np.empty((len(neighbour), 2), np.int64), np.ones(cells, np.int64)
-    for face, pair in enumerate(np.stack([owner, neighbour], axis=1)):
-        slots[face] = count[pair]
-        columns[pair, count[pair]] = pair[::-1]
-        count[pair] += 1
-    return slots, columns
 
 
 def _ordered(near: csc_array, wall: Ints) -> Ints:
@@ -178,13 +167,6 @@ def _stiffness(mesh: LiquidMesh, geometry: CellGeometry, at: Ints) -> Array:
     return np.asarray(size / np.maximum(along, 0.05 * np.linalg.norm(step, axis=1)))
 
 
-def wall_distance(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
-    """Distance (F,) [m] along the normal from a cell's centre to its face on the diaphragm."""
-    area = geometry.face_area[mesh.diaphragm]
-    reach = geometry.face_centre[mesh.diaphragm] - geometry.centre[mesh.owner[mesh.diaphragm]]
-    return np.asarray(_dot(reach, area) / np.linalg.norm(area, axis=1))
-
-
 def _dot(one: Array, other: Array) -> Array:
     return np.asarray(np.einsum("fx,fx->f", one, other))
 
@@ -193,7 +175,6 @@ def _dot(one: Array, other: Array) -> Array:
 def _fill(
     owner: Ints,
     neighbour: Ints,
-    volume: Array,
     centre: Array,
     face_centre: Array,
     area: Array,
@@ -202,41 +183,28 @@ def _fill(
     gradient: Array,
     values: Array,
 ) -> None:
-    """Add up ``values`` (e + 1,); ``gradient`` (c, SLOTS, 3) is zero, and filled on the way."""
-    inner = len(neighbour)
-    weight, slant = np.empty(inner), np.empty(3)
-    for f in range(inner):
+    """Add up ``values`` (e + 1,) from the cells' ``gradient`` (c, SLOTS, 3)."""
+    slant = np.empty(3)
+    for f in range(len(neighbour)):
         p, n = owner[f], neighbour[f]
         to_owner, to_neighbour = 0.0, 0.0
+        size, along, reach = 0.0, 0.0, 0.0
         for d in range(3):
             to_owner += (face_centre[f, d] - centre[p, d]) * area[f, d]
             to_neighbour += (centre[n, d] - face_centre[f, d]) * area[f, d]
-        w = abs(to_neighbour) / (abs(to_owner) + abs(to_neighbour))
-        weight[f] = w
-        for d in range(3):
-            gradient[p, 0, d] += w * area[f, d]
-            gradient[p, slots[f, 0], d] += (1.0 - w) * area[f, d]
-            gradient[n, 0, d] -= (1.0 - w) * area[f, d]
-            gradient[n, slots[f, 1], d] -= w * area[f, d]
-    for f in range(inner, len(owner)):
-        for d in range(3):
-            gradient[owner[f], 0, d] += area[f, d]
-    for f in range(inner):
-        p, n = owner[f], neighbour[f]
-        size, along, reach = 0.0, 0.0, 0.0
-        for d in range(3):
             step = centre[n, d] - centre[p, d]
             size, reach = size + area[f, d] ** 2, reach + step**2
             along += area[f, d] * step
+        w = abs(to_neighbour) / (abs(to_owner) + abs(to_neighbour))
         size, reach = math.sqrt(size), math.sqrt(reach)
         stiff = size / max(along / size, 0.05 * reach)  # bounded as in OpenFOAM
         for d in range(3):
             slant[d] = area[f, d] - stiff * (centre[n, d] - centre[p, d])
-        for side, cell, share in ((0, p, weight[f]), (1, n, 1.0 - weight[f])):
+        for side, cell, share in ((0, p, w), (1, n, 1.0 - w)):
             for k in range(SLOTS):
                 value = 0.0
                 for d in range(3):
-                    value += share / volume[cell] * slant[d] * gradient[cell, k, d]
+                    value += share * slant[d] * gradient[cell, k, d]
                 values[places[f, side, k, 0]] -= value
                 values[places[f, side, k, 1]] += value
         for row, sign in ((0, 1.0), (1, -1.0)):

@@ -16,7 +16,7 @@ from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.geometry import cell_geometry, fan_volume, non_orthogonality
-from coupling.foam.laplacian import wall_distance
+from coupling.foam.gradients import wall_distance
 from coupling.foam.mesh import half_ball
 from coupling.foam.process import find_openfoam, run_program
 from coupling.interface import pressure_force
@@ -146,6 +146,27 @@ def test_first_pressure_is_that_of_the_added_mass(flow):
     acceleration = (target - start) / STEP**2
     expected = -inertia.force(acceleration)
     assert np.linalg.norm(force - expected) < 0.02 * np.linalg.norm(expected)
+
+
+def wall_values(path, patch, count):
+    """Values (count,) that OpenFOAM wrote for a ``patch``, binary."""
+    data = path.read_bytes().split(b"boundaryField")[1].split(patch)[1].split(b"value", 1)[1]
+    return np.frombuffer(data.split(b"(", 1)[1][: 8 * count])
+
+
+def test_walls_pressure_is_what_the_coupler_carries_on_to_them(tmp_path):
+    flow = flow_at_rest(tmp_path / "foam", 540)
+    flow.begin_step(0.0, STEP)
+    face = flow.solve(moved(flow, 2e-3))
+    got = wall_values(flow.case.time_folder(STEP) / "p", b"diaphragm", len(face)) * DENSITY
+    assert np.ptp(got - face) < 1e-9 * np.ptp(face)
+    cells = read_cells(flow.case.time_folder(STEP) / "p", flow.mesh.cells) * DENSITY
+    own = flow.mesh.owner[flow.mesh.diaphragm]
+    geometry = flow._now
+    area = np.linalg.norm(geometry.face_area[flow.mesh.diaphragm], axis=1)
+    across = DENSITY * wall_distance(flow.mesh, geometry) * flow._swept / STEP**2 / area
+    aside = got - (cells[own] - across)
+    assert np.ptp(aside) > 0.005 * np.ptp(face)  # this mesh leans
 
 
 @pytest.mark.parametrize("cells", [176, 540])

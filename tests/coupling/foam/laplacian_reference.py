@@ -1,4 +1,4 @@
-"""Definitions of ``Eliminated.matrix`` and of the pressure beside an accelerating wall."""
+"""Definitions of ``Eliminated.matrix`` and of the pressure on and beside an accelerating wall."""
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
@@ -25,13 +25,51 @@ def laplacian(mesh, geometry):
     flux = csc_array(difference.multiply((size / along)[:, None]))
     boundary = _sparse(np.arange(len(mesh.owner) - inner), mesh.owner[inner:], 1.0,
                        (len(mesh.owner) - inner, mesh.cells))  # fmt: skip
+    within = [  # gradients without what the walls' faces add
+        (difference.T.multiply(-area[:, axis]) @ mean).multiply((1 / geometry.volume)[:, None])
+        for axis in range(3)
+    ]
+    to_face = aside(mesh, geometry)
+    walls = boundary + sum(
+        (boundary @ within[axis]).multiply(to_face[:, axis][:, None]) for axis in range(3)
+    )
     for axis in range(3):
-        outward = difference.T.multiply(-area[:, axis]) @ mean
-        outward += boundary.T.multiply(geometry.face_area[inner:, axis]) @ boundary
-        gradient = outward.multiply((1 / geometry.volume)[:, None])
+        outward = boundary.T.multiply(geometry.face_area[inner:, axis]) @ walls
+        gradient = within[axis] + outward.multiply((1 / geometry.volume)[:, None])
         slant = area[:, axis] - (size / along) * reach[:, axis]
         flux = flux + (mean @ gradient).multiply(slant[:, None])
     return csc_array(difference.T @ flux)
+
+
+def aside(mesh, geometry):
+    """From cells' centres to their faces on walls (B, 3), along these and no further than across.
+
+    Zero where a cell has two walls.
+    """
+    own, edge = mesh.owner[mesh.inner_faces :], geometry.face_area[mesh.inner_faces :]
+    normal = edge / np.linalg.norm(edge, axis=1)[:, None]
+    reach = geometry.face_centre[mesh.inner_faces :] - geometry.centre[own]
+    across = np.sum(reach * normal, axis=1)[:, None]
+    along = reach - across * normal
+    longest = np.maximum(np.linalg.norm(along, axis=1)[:, None], 1e-300)
+    alone = np.bincount(own, minlength=mesh.cells)[own] == 1
+    return np.where(alone[:, None], along * np.minimum(1.0, np.abs(across) / longest), 0.0)
+
+
+def on_walls(mesh, geometry, values):
+    """``values`` (c,) of the cells carried on to their faces on walls (B,), along these alone."""
+    inner, own = mesh.inner_faces, mesh.owner[mesh.inner_faces :]
+    owner, neighbour, area = mesh.owner[:inner], mesh.neighbour, geometry.face_area[:inner]
+    near, far = (
+        np.abs(np.sum((geometry.face_centre[:inner] - geometry.centre[side]) * area, axis=1))
+        for side in (owner, neighbour)
+    )
+    flow = ((far * values[owner] + near * values[neighbour]) / (near + far))[:, None] * area
+    gradient = np.zeros((mesh.cells, 3))
+    np.add.at(gradient, owner, flow)
+    np.subtract.at(gradient, neighbour, flow)
+    along = np.sum(aside(mesh, geometry) * gradient[own], axis=1) / geometry.volume[own]
+    return values[own] + along
 
 
 def pressure_beside_walls(mesh, geometry, rate):
@@ -59,7 +97,8 @@ def pressure_beside_walls(mesh, geometry, rate):
         gradient = np.zeros((mesh.cells, 3))
         np.add.at(gradient, owner, on_face[:, None] * area)
         np.subtract.at(gradient, neighbour, on_face[:, None] * area)
-        np.add.at(gradient, wall, (pressure[wall] + beyond)[:, None] * edge)
+        on_wall = on_walls(mesh, geometry, pressure) + beyond
+        np.add.at(gradient, wall, on_wall[:, None] * edge)
         gradient /= geometry.volume[:, None]
         mean = weight * gradient[owner] + (1 - weight) * gradient[neighbour]
         lagged = np.sum((area - stiff[:, None] * reach) * mean, axis=1)
