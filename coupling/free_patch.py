@@ -28,7 +28,7 @@ from scipy.sparse import csr_array
 from coupling.contact_curve import ContactSearch
 from coupling.creases import give_way, least_sine
 from coupling.foam.geometry import face_centres_and_areas, fan_volume
-from coupling.foam.mesh import LiquidMesh
+from coupling.foam.mesh import LiquidMesh, shell_shares
 from coupling.interface import cross, swept_gradient
 from coupling.mapping import moving_least_squares, moving_quadratics
 from coupling.ports import Array, Ints, Structure, StructureState
@@ -149,7 +149,8 @@ class FreePatch:
         end = np.stack([np.interp(self._wall_azimuth, turn, closed[:, k]) for k in range(3)], 1)
         end /= np.linalg.norm(end, axis=1)[:, None]
         middle = middle / np.linalg.norm(middle)
-        arc, reach = np.arccos(np.clip(end @ middle, -1.0, 1.0))[:, None], self._wall_reach[:, None]
+        arc = np.arccos(np.clip(end @ middle, -1.0, 1.0))
+        reach, arc = shell_shares(self._wall_reach, arc)[:, None], arc[:, None]
         wall = np.sin((1.0 - reach) * arc) * middle + np.sin(reach * arc) * end
         return np.asarray(self.size * self.radius * wall / np.sin(arc))
 

@@ -97,6 +97,17 @@ def half_ball(cells: int) -> LiquidMesh:
     return assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
 
 
+def shell_shares(reach: Array, arc: Array | float) -> Array:
+    """Where on an ``arc`` [rad] from the pool's middle to the rim the shell's points stand (s,).
+
+    ``reach`` (s,): their shares of it in the half ball. Where the pool closes above its equator the
+    patch is small for the arc, and so are its cells: the shell's points crowd towards the rim,
+    where their spacing falls as sin(arc), the rim's distance from the pool's axis.
+    """
+    dense = np.minimum(1.0, 0.5 * np.pi * np.sin(arc) / arc)
+    return np.asarray(reach + (1.0 - dense) * reach * (1.0 - reach))
+
+
 def cells_made(cells: int) -> int:
     """How many cells ``half_ball(cells)`` has."""
     return _size(_divisions(cells)[0])

@@ -20,7 +20,7 @@ from scipy.sparse.linalg import splu
 from coupling.foam.mesh import LiquidMesh
 from coupling.ports import Array, Ints
 
-VOLUME = 0.5  # weight of a corner's volume against its shape
+VOLUME = 0.1  # weight of a corner's volume against its shape: a small patch has small cells below
 MEMORY = 8  # pairs of the quasi-Newton method
 SPLITS = 32  # most parts that a boundary's displacement is cut into
 TOLERANCE = 1e-2  # residual force over its start

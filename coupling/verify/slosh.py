@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.geometry import fan_volume
-from coupling.foam.mesh import LiquidMesh, half_ball
+from coupling.foam.mesh import LiquidMesh, half_ball, shell_shares
 from coupling.foam.process import find_openfoam
 from coupling.ports import Array
 from coupling.sloshing_modes import lateral_eigenvalue
@@ -153,7 +153,8 @@ def level_shape(mesh: LiquidMesh, level: float) -> tuple[Array, Array, Array]:
     patch[:, 2] = level
     bottom = mesh.points[mesh.shell_points]
     across = np.linalg.norm(bottom[:, :2], axis=1)
-    angle = np.arctan2(across, -bottom[:, 2]) * np.arccos(-level) / (np.pi / 2)
+    reach, arc = np.arctan2(across, -bottom[:, 2]) / (np.pi / 2), float(np.arccos(-level))
+    angle = shell_shares(reach, arc) * arc
     shell = np.zeros_like(bottom)
     shell[:, :2] = bottom[:, :2] * (np.sin(angle) / np.maximum(across, 1e-12))[:, None]
     shell[:, 2] = -np.cos(angle)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coupling.foam.geometry import cell_geometry, fan_volume
-from coupling.foam.mesh import half_ball
+from coupling.foam.mesh import half_ball, shell_shares
 from coupling.foam.smoothing import ElasticMesh, MeshFolds, corner_energy
 
 
@@ -128,3 +128,14 @@ def test_impossible_boundary_is_refused():
     for impossible in (outline, np.full_like(outline, np.nan)):
         with pytest.raises(MeshFolds):
             ElasticMesh(mesh, 1.0).relax(mesh.points, impossible, size=0.5)
+
+
+@pytest.mark.parametrize(
+    ("arc", "dense"), [(0.9, 1.0), (np.pi / 2, 1.0), (2.5, 0.376), (3.1, 0.0211)]
+)
+def test_shells_points_are_as_dense_at_the_rim_as_the_patch_is_small(arc, dense):
+    reach = np.linspace(0.0, 1.0, 1001)
+    found = shell_shares(reach, arc)
+    assert found[[0, -1]] == pytest.approx([0.0, 1.0], abs=1e-15)
+    assert (np.diff(found) > 0).all()
+    assert (found[-1] - found[-2]) * 1000 == pytest.approx(dense, abs=2e-3)
