@@ -102,9 +102,10 @@ def shell_shares(reach: Array, arc: Array | float) -> Array:
 
     ``reach`` (s,): their shares of it in the half ball. Where the pool closes above its equator the
     patch is small for the arc, and so are its cells: the shell's points crowd towards the rim,
-    where their spacing falls as sin(arc), the rim's distance from the pool's axis.
+    half as much as the patch's do. As much would serve a level surface better, but a thrown one
+    crushes the cells at its rim.
     """
-    dense = np.minimum(1.0, 0.5 * np.pi * np.sin(arc) / arc)
+    dense = np.sqrt(np.minimum(1.0, 0.5 * np.pi * np.sin(arc) / arc))
     return np.asarray(reach + (1.0 - dense) * reach * (1.0 - reach))
 
 
