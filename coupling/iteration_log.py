@@ -14,7 +14,7 @@ _HEADER = "time,iteration,residual,seconds\n"
 
 
 class IterationLog:
-    """Appends to ``coupling.csv``: time [s], iteration, residual, wall time of it [s].
+    """Appends to ``coupling.csv``: time [s], iteration, residual, wall time it took [s].
 
     Of every try: where a step failed, its parts follow, each with a time of its own.
     """

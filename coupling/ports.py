@@ -133,9 +133,8 @@ class LiquidSample:
 
     ``kinetic_pressure`` (F,) [Pa]: -rho |u|^2/2 on the diaphragm; p* less this is the unsteady
     part, -rho dphi/dt, and whatever vorticity does. ``viscous_traction`` (F,) [Pa]: size of the
-    viscous stress on the diaphragm, as the model has it. ``wall_slip`` [m^4/s^2]: int of the
-    squared speed along all walls, relative to them. ``pressure_work`` [J]: of p* on the diaphragm
-    over the step, by the trapezoidal rule.
+    viscous stress on the diaphragm. ``wall_slip`` [m^4/s^2]: int of the squared speed along all
+    walls, relative to them. ``pressure_work`` [J]: of p* there, by the trapezoidal rule.
     """
 
     face_pressure: Array
@@ -218,6 +217,9 @@ class Flow(Protocol):
 
     def added_mass(self, points: Array) -> AddedMass:
         """The liquid's inertia at this step's end, expected at ``points`` (p, 3) [m]."""
+
+    def inertial_pressure(self, points: Array) -> Array:
+        """p* (F,) [Pa] of the inertia at ``points`` (closed); ``solve`` follows before the end."""
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""

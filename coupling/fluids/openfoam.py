@@ -16,7 +16,7 @@ import numpy as np
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import CellGeometry
-from coupling.foam.gradients import gradients, wall_distance
+from coupling.foam.gradients import wall_pressure
 from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
@@ -130,33 +130,34 @@ class OpenFoamFlow:
         pressure, self._velocity = self.case.advance(
             self.time, self._end, self._following.points_now
         )
-        self._pressure = self.density * pressure
         self._swept = swept[: self.mesh.diaphragm_faces]
-        wall = self._wall_pressure(self._swept)
-        faces = self.mesh.diaphragm_faces
-        area = np.linalg.norm(self._now.face_area[self.mesh.diaphragm], axis=1)
-        self._boundary_pressure = wall - float(wall[:faces] @ area / area.sum())
-        self._face_pressure = self._boundary_pressure[:faces]
+        rate = self._moving(self._swept, self.dt, self._previous_dt)
+        self._boundary_pressure = self._on_walls(pressure, rate)
+        self._face_pressure = self._boundary_pressure[: len(rate)]
         return self._face_pressure
 
-    def _wall_pressure(self, swept: Array) -> Array:
-        """The cells' p* carried on to the walls (B,): aside on all, across on the diaphragm.
-
-        The shell is at rest. What sliding points ask of the pressure is taken off before.
-        """
+    def inertial_pressure(self, points: Array) -> Array:
+        """What ``solve``, which comes again before the end, would say of inertia alone (F,)."""
+        swept = self._following.follow(points, self._moment)[: self.mesh.diaphragm_faces]
         rate = self._moving(swept, self.dt, self._previous_dt)
+        rest = len(self.mesh.faces) - self.mesh.diaphragm.stop
+        shell = np.zeros(rest) if self._rate is None else self._rate[-rest:]
+        laplacian = NeumannLaplacian(self.mesh, self._now)
+        cells = laplacian.pressure(np.concatenate([rate, shell]))
+        return self._on_walls(cells, rate)[: len(rate)]
+
+    def _on_walls(self, pressure: Array, rate: Array) -> Array:
+        """p* (B,) [Pa] on the walls of the cells' ``pressure`` (c,) [m^2/s^2], over the density.
+
+        ``rate`` (F,) [m^3/s^2]: of the diaphragm's fluxes. What sliding points ask of the pressure
+        is taken off.
+        """
         if self._rate is not None:
             if self._undue is None:
                 laplacian = self._laplacian or NeumannLaplacian(self.mesh, self._now)
-                self._undue = self.density * laplacian.pressure(self._rate)
-            self._pressure = self._pressure - self._undue
-            rate = rate - self._rate[: self.mesh.diaphragm_faces]
-        patch = self.mesh.diaphragm
-        area = np.linalg.norm(self._now.face_area[patch], axis=1)
-        own = self.mesh.owner[self.mesh.inner_faces :]
-        wall = gradients(self.mesh, self._now).on_walls(own, self._pressure)
-        wall[: len(rate)] -= self.density * wall_distance(self.mesh, self._now) * rate / area
-        return wall
+                self._undue = laplacian.pressure(self._rate)
+            pressure, rate = pressure - self._undue, rate - self._rate[: len(rate)]
+        return self.density * wall_pressure(self.mesh, self._now, pressure, rate)
 
     @property
     def _now(self) -> CellGeometry:

@@ -92,6 +92,18 @@ def wall_distance(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
     return np.asarray(np.abs(np.einsum("fx,fx->f", reach, area)) / np.linalg.norm(area, axis=1))
 
 
+def wall_pressure(mesh: LiquidMesh, geometry: CellGeometry, pressure: Array, rate: Array) -> Array:
+    """``pressure`` (c,) [m^2/s^2] of the cells carried on to the walls (B,), over the density.
+
+    Less the diaphragm's mean. ``rate`` (F,) [m^3/s^2]: d(flux)/dt of its faces; the shell is at
+    rest.
+    """
+    area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
+    wall = gradients(mesh, geometry).on_walls(mesh.owner[mesh.inner_faces :], pressure)
+    wall[: len(rate)] -= wall_distance(mesh, geometry) * rate / area
+    return np.asarray(wall - float(wall[: len(rate)] @ area / area.sum()))
+
+
 @numba.njit(cache=True, error_model="numpy")
 def _gather(
     owner: Ints,

@@ -12,9 +12,10 @@ class AddedMass(IqnIls):
     when M_a is the flow's own discrete operator, so that the first step needs no relaxation. In
     violent sway at 10 ms it is 0.11, spread over the whole interface. That is no matter of
     convection: a flow solver without its convective term leaves 0.11 too. A good half is the change
-    of the operator with the shape within the step, times the acceleration; the rest what the flow
-    itself answers differently. The step's own columns take care of some. Columns of former steps
-    are of another shape by then: one reused step took 3.67 iterations a step, none took 3.65.
+    of the operator with the shape within the step, times the acceleration, which ``CoupledStep``
+    takes in where it makes iterations slow; the rest what the flow itself answers differently. The
+    step's own columns take care of some. Columns of former steps are of another shape by then: one
+    reused step took 3.67 iterations a step, none took 3.65.
     """
 
     def __init__(self) -> None:

@@ -5,9 +5,11 @@ import pytest
 
 from coupling.driver import run
 from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.iteration_log import read_iterations
 from coupling.ports import StepFailed
 from coupling.results import read_results
 from coupling.scene import scene_from
+from coupling.surrogate import surrogate_iterate
 
 pytestmark = pytest.mark.openfoam
 
@@ -26,8 +28,9 @@ SCENE = {
 }
 
 
-def coupled(folder, scheme):
-    scene = scene_from(SCENE | {"coupling": SCENE["coupling"] | {"scheme": scheme}})
+def coupled(folder, scheme, tolerance=TOLERANCE):
+    coupling = SCENE["coupling"] | {"scheme": scheme, "tolerance": tolerance}
+    scene = scene_from(SCENE | {"coupling": coupling})
     return run(scene, folder), folder
 
 
@@ -54,6 +57,49 @@ def test_a_map_made_anew_within_the_step_leads_to_the_same_motion(best, tmp_path
     one, other = read_results(best[1]).liquid_cg, read_results(folder).liquid_cg
     # Both are converged to 1e-4 on the interface. The maps differ by how far the step ends from
     # where it was heading, a share of the step's own length of the order of dt times the rate.
+    assert np.abs(one - other).max() < 1e-3 * np.abs(one - one[0]).max()
+
+
+def test_the_surrogate_leads_to_the_same_motion(best, tmp_path, monkeypatch):
+    solved = []
+
+    def watched(*arguments, **options):
+        found = surrogate_iterate(*arguments, **options)
+        solved.append(found is not None)
+        return found
+
+    monkeypatch.setattr("coupling.coupled_step.surrogate_iterate", watched)
+    monkeypatch.setattr("coupling.coupled_step.RATE", 1e-3)  # no scheme's iteration is so fast
+    summary, folder = coupled(tmp_path, "added-mass", 1e-7)
+    assert summary["coupling"]["unconverged_steps"] == 0
+    assert solved == [True] * 3  # in the third iteration of every step
+    residual = read_iterations(folder)[:, 2].reshape(3, 4)
+    # What it leaves: its own accuracy and what the flow does beyond inertia, some per cent.
+    assert (residual[:, 3] < 0.1 * residual[:, 2]).all()
+    one, other = read_results(best[1]).liquid_cg, read_results(folder).liquid_cg
+    assert np.abs(one - other).max() < 10 * TOLERANCE * np.abs(one - one[0]).max()
+
+
+@pytest.mark.parametrize("method", ["added_mass", "solve"])
+def test_where_the_flow_has_no_mesh_half_the_way_is_taken(best, tmp_path, monkeypatch, method):
+    # Of the map where the step begins, or of its first iterate.
+    way = {}
+    original = getattr(OpenFoamFlow, method)
+
+    def shorter(flow, points):
+        way.setdefault(flow.time, []).append(np.abs(points - flow.points).max())
+        if len(way[flow.time]) == 1:
+            raise StepFailed("too far")
+        return original(flow, points)
+
+    monkeypatch.setattr(OpenFoamFlow, method, shorter)
+    summary, folder = coupled(tmp_path, "added-mass")
+    assert (summary["status"], summary["halved_steps"], summary["steps"]) == ("completed", 0, 3)
+    assert summary["coupling"]["unconverged_steps"] == 0
+    assert way[0.02][1] < 0.8 * way[0.02][0]  # before, points slide further than they move
+    assert "half the way is tried: too far" in (folder / "log.txt").read_text()
+    one, other = read_results(best[1]).liquid_cg, read_results(folder).liquid_cg
+    # The map's share in the step's motion, as above.
     assert np.abs(one - other).max() < 1e-3 * np.abs(one - one[0]).max()
 
 

@@ -1,0 +1,37 @@
+"""How a coupling that diverges is told from a side that fails by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from coupling.ports import RunFailed, StepFailed
+
+
+@contextmanager
+def told_from_divergence(time: float, residuals: list[float]) -> Iterator[None]:
+    """A side that fails where the iterates run away is the coupling's failure, not its own.
+
+    ``time`` [s]; ``residuals``: what the iterations so far have left, relative.
+    """
+    try:
+        yield
+    except ArithmeticError as failure:
+        if residuals:
+            raise diverged(time, residuals) from failure
+        raise
+    except RunFailed as failure:
+        if residuals and max(residuals) > 1.0:
+            # Where the solver itself has died nothing is left to take the step in parts with.
+            kind = StepFailed if isinstance(failure, StepFailed) else RunFailed
+            raise diverged(time, residuals, kind) from failure
+        raise
+
+
+def diverged(time: float, residuals: list[float], kind: type[RunFailed] = StepFailed) -> RunFailed:
+    """The failure to raise at ``time`` [s], with the last of ``residuals``."""
+    last = ", ".join(f"{residual:.1e}" for residual in residuals[-4:])
+    return kind(
+        f"t = {time:.6g} s: the coupling diverges: the last iterations left residuals of {last} "
+        "times the step's own displacement. Take coupling.scheme = 'added-mass' or halve time.step."
+    )
