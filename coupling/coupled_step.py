@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -18,6 +18,8 @@ from coupling.surrogate import surrogate_iterate
 DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
 SLOW, MAPS = 8, 3  # iterations on a map before its rate is judged; maps of a step, at most
 RATE = 0.3  # of the residual: what an iteration with the added mass should leave
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,9 +155,11 @@ class CoupledStep:
             self._by_surrogate = False
             return update
         found: Array | None = None
-        with suppress(StepFailed, ArithmeticError):
-            tolerance = RATE * self.convergence.tolerance / since[-1]
+        tolerance = RATE * self.convergence.tolerance / since[-1]
+        try:
             found = surrogate_iterate(self.problem, x, image, update, tolerance=tolerance)
+        except (StepFailed, ArithmeticError) as failure:
+            _log.info("the surrogate is let be: %s", failure)
         self._by_surrogate = self._trusted = found is not None
         return update if found is None else found
 
