@@ -47,17 +47,18 @@ def sheet_energy(model: ClothModel, memory: Memory) -> SheetEnergy:
     )
 
 
-def sheet_losses(model: ClothModel, settings: Settings, memory: Memory) -> SheetLosses:
-    """In the step that led to ``memory``; none where there was no step.
+def sheet_losses(model: ClothModel, settings: Settings, memory: Memory, b: float) -> SheetLosses:
+    """Powers taken in the step that led to ``memory``, of the implicit formula's ``b`` [s].
 
-    The damping's forces are those of an implicit step, at its end, and their work is that on the
+    ``b`` is that of ``cloth.inertia``; 0 where there was no step, which takes nothing. The
+    damping's forces are those of an implicit step, at its end, and their work is that on the
     step's own displacement. The speed at the end times the length of the step would count
     grid-scale trembling twice.
     """
     x, v, dt = memory.position, memory.velocity, float(memory.previous_dt[0])
-    if not dt > 0.0:
+    if not (dt > 0.0 and b > 0.0):
         return SheetLosses()
-    mean, b = (x - memory.previous_position) / dt, 2.0 / 3.0 * dt
+    mean = (x - memory.previous_position) / dt
     rate = (model.bending_force(x) - model.bending_force(x - b * v)) / b
     normal = _normals(model, x)
     sliding = v - np.einsum("id,id->i", v, normal)[:, None] * normal

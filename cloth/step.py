@@ -77,6 +77,7 @@ class Cloth:
         self._systems: dict[tuple[float, Settings], System] = {}
         self._dt = 0.0
         self._kin: Kinematics | None = None
+        self._accepted_b = 0.0  # of the step that led to the committed state, 0 where none is known
         self._problem: StepProblem | None = None
         self._first: Solution | None = None
         self._solution: Solution | None = None
@@ -209,7 +210,7 @@ class Cloth:
             self_slip=m.self_slip + rubbed,
             near=np.array([float(s.contact is not None and s.contact.near.any())]),
         )
-        self._kin = None
+        self._kin, self._accepted_b = None, kin.b
 
     def halt(self) -> None:
         """Bring the committed state to rest where it is: no velocity, no history, no wear yet."""
@@ -240,8 +241,8 @@ class Cloth:
         return sheet_energy(self.model, self._memory)
 
     def losses(self) -> SheetLosses:
-        """In the step that led to the committed state, by the damping of ``dry``."""
-        return sheet_losses(self.model, self.dry, self._memory)
+        """In the step accepted last, by the damping of ``dry``; none before the first."""
+        return sheet_losses(self.model, self.dry, self._memory, self._accepted_b)
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs to go on bit for bit."""
@@ -250,4 +251,4 @@ class Cloth:
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``; raises ValueError when names or shapes differ."""
         self._memory = Memory.restored(saved, self._memory)
-        self._kin = None
+        self._kin, self._accepted_b = None, 0.0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg as sl
 
+from cloth.inertia import kinematics
 from cloth.load import DRY, Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh, border_nodes, hemisphere
@@ -97,3 +98,29 @@ def test_bending_wave_decays_at_its_rate(tau):
     got = float(mode @ (cloth.mass * end)) / 1e-6
     late = square * dt**2 / 3.0 * np.sqrt(square) * t  # BDF2's phase error
     assert got == pytest.approx(wanted, rel=1e-3, abs=late)
+
+
+@pytest.mark.parametrize("steps", [(1e-3,), (1e-3, 1e-3), (1e-3, 1e-3, 5e-4), (5e-4, 1e-3)])
+def test_bending_loss_is_that_of_the_step_s_own_formula(steps):
+    """An Euler step, an even one, and one of half or twice the length of the one before."""
+    tau = 0.05
+    cloth = free(hemisphere(0.4445, 6), replace(DRY, bending_damping=tau, drag=0.0))
+    velocity = cloth.reference * [0.1, -0.1, 0.0]
+    cloth.restore({**cloth.save(), "velocity": velocity})
+    before = cloth.reference
+    for dt in steps:
+        start, saved = cloth.state.position, cloth.save()
+        kin = kinematics(
+            dt, float(saved["previous_dt"][0]), start, saved["velocity"],
+            saved["previous_position"], saved["previous_velocity"],
+        )  # fmt: skip
+        cloth.begin_step(dt, Nothing())
+        cloth.solve(np.zeros_like(velocity))
+        cloth.accept_step()
+        before = start
+    end = cloth.state.position
+    force = cloth.model.bending_force
+    moment = tau / kin.b * (force(end) - force(kin.position_anchor))
+    expected = -float(np.vdot((end - before) / steps[-1], moment))
+    assert cloth.losses().bending == pytest.approx(expected, rel=1e-9)
+    assert expected > 0.0

@@ -111,8 +111,8 @@ def test_turning_is_dragged_and_does_not_bend():
     sheet = model(mesh)
     turning = np.stack([-mesh.points[:, 1], mesh.points[:, 0], 0 * mesh.points[:, 2]], axis=1)
     swelling = mesh.points.copy()
-    of_turn = sheet_losses(sheet, DRY, memory(sheet, mesh.points, turning, dt))
-    of_swell = sheet_losses(sheet, DRY, memory(sheet, mesh.points, swelling, dt))
+    of_turn = sheet_losses(sheet, DRY, memory(sheet, mesh.points, turning, dt), dt)
+    of_swell = sheet_losses(sheet, DRY, memory(sheet, mesh.points, swelling, dt), dt)
     speed, swell = np.sum(turning**2, axis=1), np.sum(swelling**2, axis=1)
     leaning = (np.pi / 24) ** 2  # of the facets' normals
     assert of_turn.drag == pytest.approx(DRY.drag * float(sheet.mass @ speed), rel=leaning)
@@ -125,5 +125,5 @@ def test_turning_is_dragged_and_does_not_bend():
 def test_at_rest_nothing_moves_and_nothing_is_taken():
     sheet = model(hemisphere(0.4, 6))
     still = memory(sheet, sheet.mesh.points)
-    losses = sheet_losses(sheet, DRY, still)
+    losses = sheet_losses(sheet, DRY, still, 0.0)
     assert sheet_energy(sheet, still).kinetic == losses.drag == losses.bending == 0.0
