@@ -128,8 +128,8 @@ class LiquidSample:
 
     ``face_pressure`` (F,) [Pa]: p* on the faces of the diaphragm, area mean removed;
     ``wall_pressure_force`` and ``wall_pressure_moment`` (3,) [N, N m]: of p* on all walls, about
-    the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] as in the Bernoulli
-    ratios; ``kinetic_energy`` [J] in the tank's frame.
+    the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] (see ``fluids.gauge``)
+    as in the Bernoulli ratios; ``kinetic_energy`` [J] in the tank's frame.
 
     ``kinetic_pressure`` (F,) [Pa]: -rho |u|^2/2 on the diaphragm; p* less this is the unsteady
     part, -rho dphi/dt, and whatever vorticity does. ``viscous_traction`` (F,) [Pa]: size of the

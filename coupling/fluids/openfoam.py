@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from coupling.fluids.gauge import largest_rate
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import CellGeometry
@@ -192,7 +193,7 @@ class OpenFoamFlow:
         force = self._boundary_pressure[:, None] * geometry.face_area[boundary]
         speed = np.linalg.norm(self._velocity, axis=1)
         wall_speed = speed[mesh.owner[mesh.diaphragm]]
-        rate = self._face_pressure / self.density + 0.5 * wall_speed**2
+        rate = self._face_pressure / self.density + 0.5 * wall_speed**2  # -dphi/dt
         volume = float(geometry.volume.sum())
         return FlowSample(
             face_pressure=self._face_pressure,
@@ -201,7 +202,9 @@ class OpenFoamFlow:
             wall_pressure_force=force.sum(axis=0),
             wall_pressure_moment=np.cross(geometry.face_centre[boundary], force).sum(axis=0),
             speed_max=float(speed.max()),
-            dphi_dt_max=float(np.abs(rate).max()),
+            dphi_dt_max=largest_rate(
+                rate, np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
+            ),
             kinetic_energy=0.5 * self.density * float(geometry.volume @ speed**2),
             wall_slip=walls.slip,
             pressure_work=work,

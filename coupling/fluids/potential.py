@@ -7,8 +7,11 @@ own triangles bound the liquid, from a thin film to a full tank, and no mesh has
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
+from coupling.contact_curve import REACH
+from coupling.fluids.gauge import largest_rate
 from coupling.inviscid.harmonics import SolidHarmonics
 from coupling.inviscid.ritz import (
     RitzLiquid,
@@ -65,7 +68,7 @@ class PotentialLiquid:
         pressure, speed = bernoulli(self.ritz, shape.values, rate, coefficient)
         on_shell, shell_speed = bernoulli(self.ritz, self._shell_values, rate, coefficient)
         nodal = shape.force(pressure)
-        size = np.linalg.norm(shape.area, axis=1)
+        size, free = np.linalg.norm(shape.area, axis=1), self._free(points)
         return LiquidSample(
             face_pressure=pressure - pressure @ size / size.sum(),
             kinetic_pressure=-0.5 * self.ritz.density * speed**2,
@@ -73,12 +76,18 @@ class PotentialLiquid:
             wall_pressure_force=nodal.sum(axis=0) + on_shell @ self._shell_area,
             wall_pressure_moment=np.cross(points, nodal).sum(axis=0),
             speed_max=float(speed.max()),
-            dphi_dt_max=float(np.abs(shape.values @ rate).max()),
+            dphi_dt_max=largest_rate((shape.values @ rate)[free], size[free]),
             kinetic_energy=shape.kinetic_energy(velocity),
             wall_slip=self._slip(shape, velocity, coefficient)
             + float(shell_speed**2 @ np.linalg.norm(self._shell_area, axis=1)),
             pressure_work=work,
         )
+
+    def _free(self, points: Array) -> NDArray[np.bool_]:
+        """Triangles (m,) that are off the shell, all of them where none is."""
+        gap = 1.0 - np.linalg.norm(points, axis=1) / self.ritz.harmonics.radius
+        free = (gap > REACH)[self.ritz.triangles].any(axis=1)
+        return np.asarray(free if free.any() else ~free)
 
     def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:
         """int of the squared speed along the sheet [m^4/s^2], relative to it."""

@@ -29,7 +29,8 @@ def kinetic_ratio(*, body_force: float, radius: float, speed_max: float | None) 
 def unsteady_ratio(*, body_force: float, radius: float, dphi_dt_max: float | None) -> float | None:
     """rho g_eff R over max|rho dphi/dt|: what thesis Eq. 4.6 forgets, the added mass.
 
-    ``dphi_dt_max`` [m^2/s^2]: largest |p*/rho + |u|^2/2|, None where the model has no flow.
+    ``dphi_dt_max`` [m^2/s^2]: largest |p*/rho + |u|^2/2| on the diaphragm's free part, less its
+    mean there (see ``fluids.gauge``), None where the model has no flow.
     """
     return _over(body_force * radius, dphi_dt_max)
 
