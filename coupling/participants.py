@@ -183,7 +183,8 @@ class Participants:
                 pressures = at_nodes(liquid, self.step.liquid.to_nodes(state.position).dot)
         elif isinstance(self.step, CoupledStep):
             assert liquid is None or isinstance(liquid, FlowSample)
-            metrics = metrics | flow_metrics(liquid, self.flow.non_orthogonality_max)
+            mesh = self.flow.non_orthogonality_max, self.flow.wall_distance
+            metrics = metrics | flow_metrics(liquid, *mesh)
             if liquid is not None:
                 pressures = at_nodes(liquid, self.mapping.to_nodes)
         return sample_at(

@@ -117,14 +117,19 @@ def split_metrics(
     return found | {"viscous_traction_rms": float(np.sqrt(square))}
 
 
-def flow_metrics(flow: FlowSample | None, non_orthogonality: float) -> dict[str, float]:
-    """The flow's scalars for a sample; at the start the liquid is at rest and has only its mesh."""
+def flow_metrics(
+    flow: FlowSample | None, non_orthogonality: float, wall_distance: float
+) -> dict[str, float]:
+    """The flow's scalars for a sample; at the start the liquid is at rest and has only its mesh.
+
+    ``non_orthogonality`` [deg], ``wall_distance`` [m]: the committed mesh's.
+    """
     if flow is None:
         return liquid_metrics(None) | {
             "non_orthogonality_max": non_orthogonality,
             "volume_error": 0.0,
             "continuity_error": 0.0,
-            "wall_distance": np.nan,
+            "wall_distance": wall_distance,
         }
     return liquid_metrics(flow) | {name: float(getattr(flow, name)) for name in MESH_METRICS}
 

@@ -22,7 +22,7 @@ from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate
-from coupling.foam.wall import WallFlow, wall_flow
+from coupling.foam.wall import WallFlow, cell_distance, wall_flow
 from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed, StepFailed
 
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
@@ -73,6 +73,11 @@ class OpenFoamFlow:
     def non_orthogonality_max(self) -> float:
         """Largest non-orthogonality [deg] of the committed mesh."""
         return self._following.non_orthogonality_max
+
+    @property
+    def wall_distance(self) -> float:
+        """Mean distance [m] of the wall cells' centres from the walls of the committed mesh."""
+        return cell_distance(self.mesh, self._following.geometry)
 
     def start(self, patch: Array, shell: Array, volume: float) -> None:
         """Write the case for a liquid at rest below ``patch`` (p, 3) [m], its rim on the shell.
@@ -213,7 +218,7 @@ class OpenFoamFlow:
             liquid_cg=geometry.volume @ geometry.centre / volume,
             continuity_error=self.case.continuity,
             non_orthogonality_max=self.non_orthogonality_max,
-            wall_distance=walls.distance,
+            wall_distance=self.wall_distance,
         )
 
     def save(self) -> dict[str, AnyArray]:

@@ -17,12 +17,27 @@ class WallFlow:
 
     ``traction`` (F,) [Pa]: size of the viscous stress on the diaphragm's faces; ``slip``
     [m^4/s^2]: int over all walls of the squared tangential speed of the cells beside them, relative
-    to the wall; ``distance`` [m] of those cells' centres, the mean over the walls' area.
+    to the wall.
     """
 
     traction: Array
     slip: float
-    distance: float
+
+
+def cell_distance(mesh: LiquidMesh, geometry: CellGeometry) -> float:
+    """Distance [m] of the wall cells' centres from all walls, the mean over the walls' area."""
+    _, distance = _normals(mesh, geometry)
+    size = np.linalg.norm(geometry.face_area[mesh.inner_faces :], axis=1)
+    return float(distance @ size / size.sum())
+
+
+def _normals(mesh: LiquidMesh, geometry: CellGeometry) -> tuple[Array, Array]:
+    """Outward normals (B, 3) of all walls, and their distances (B,) [m] from the cells' centres."""
+    walls = slice(mesh.inner_faces, None)
+    area = geometry.face_area[walls]
+    normal = area / np.linalg.norm(area, axis=1)[:, None]
+    reach = geometry.face_centre[walls] - geometry.centre[mesh.owner[walls]]
+    return normal, np.einsum("fx,fx->f", reach, normal)
 
 
 def wall_flow(
@@ -44,8 +59,7 @@ def wall_flow(
     walls = slice(mesh.inner_faces, None)
     area, centre, cell = end.face_area[walls], end.face_centre[walls], mesh.owner[walls]
     size = np.linalg.norm(area, axis=1)
-    normal = area / size[:, None]
-    distance = np.einsum("fx,fx->f", centre - end.centre[cell], normal)
+    normal, distance = _normals(mesh, end)
     wall = np.zeros_like(centre)
     count = mesh.diaphragm_faces
     wall[:count] = (centre[:count] - start.face_centre[walls][:count]) / dt
@@ -56,5 +70,4 @@ def wall_flow(
     return WallFlow(
         traction=stress[:count],
         slip=float(slip @ size),
-        distance=float(distance @ size / size.sum()),
     )

@@ -1,4 +1,4 @@
-"""The unsteady term is in one gauge, whichever fluid measures it."""
+"""The scalars that a flow is sampled with: the unsteady term in one gauge, the cells' size."""
 
 from pathlib import Path
 
@@ -31,3 +31,5 @@ def test_openfoam_and_potential_agree_on_dphi_dt(tmp_path: Path, fill: float):
         found[fluid] = read_results(tmp_path / fluid).metrics
     one, other = (found[fluid]["dphi_dt_max"] for fluid in ("potential", "openfoam"))
     assert one[1:] == pytest.approx(other[1:], rel=0.1)
+    distance = found["openfoam"]["wall_distance"]  # known at the start too
+    assert distance == pytest.approx(np.full(len(distance), distance[-1]), rel=0.1)
