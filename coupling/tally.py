@@ -22,6 +22,7 @@ class Tally:
     def __init__(self, scene: Scene, thickness: Array) -> None:
         self.scene, self.thickness = scene, thickness
         self.statistics = RunStatistics()
+        self._unconverged_at: float | None = None  # time [s] of the last step that did not converge
 
     def seconds(self, part: str, since: float) -> None:
         """Add the wall time since ``since`` (a ``perf_counter``) to ``part``."""
@@ -42,6 +43,7 @@ class Tally:
         if not converged:
             limit, strain = self.scene.cloth.strain_limit, float(state.strain.max(initial=0.0))
             self._unconverged(
+                time,
                 f"t = {time:.6g} s: the diaphragm's solver left a tensile strain of {strain:.2e} "
                 f"(cloth.strain_limit {limit:g}).",
                 "Raise cloth.iterations, or halve time.step.",
@@ -72,6 +74,7 @@ class Tally:
             self.volume(part.volume_error)
         if not outcome.converged:
             self._unconverged(
+                time,
                 f"t = {time:.6g} s: the coupling left a relative residual of "
                 f"{outcome.residual:.1e} after {outcome.iterations} iterations in all (tolerance "
                 f"{self.scene.coupling.tolerance:g}).",
@@ -79,9 +82,11 @@ class Tally:
                 "'added-mass'.",
             )
 
-    def _unconverged(self, message: str, mend: str) -> None:
-        self.statistics.unconverged_steps += 1
+    def _unconverged(self, time: float, message: str, mend: str) -> None:
+        """Count the step that ends at ``time`` [s], once however much of it did not converge."""
         _log.warning(message)
+        self.statistics.unconverged_steps += time != self._unconverged_at
+        self._unconverged_at = time
         if self.statistics.unconverged_steps > self.scene.coupling.max_unconverged:
             count = self.statistics.unconverged_steps
             raise RunFailed(f"{message} {count} steps did not converge. {mend}")

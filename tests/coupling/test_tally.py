@@ -1,0 +1,41 @@
+"""What a run counts."""
+
+from dataclasses import dataclass, field
+
+import known_run as run
+import numpy as np
+import pytest
+
+from coupling.ports import RunFailed
+from coupling.tally import Tally
+
+
+@dataclass
+class State:
+    strain: np.ndarray = field(default_factory=lambda: np.array([0.2]))
+
+
+@dataclass
+class Outcome:
+    converged: bool
+    iterations: int = 30
+    residual: float = 0.1
+    parts: tuple[()] = ()
+
+    @property
+    def sample(self) -> "Outcome":
+        return self
+
+    speed_max: float = 0.0
+    dphi_dt_max: float = 0.0
+
+
+def test_a_step_that_fails_on_both_sides_counts_once():
+    tally = Tally(run.scene(), np.array([0.002]))
+    for step in range(5):
+        tally.coupling(0.02 * step, Outcome(converged=False))
+        tally.structure(0.02 * step, State(), converged=False, steps=1)
+        assert tally.statistics.unconverged_steps == step + 1
+    tally.coupling(0.2, Outcome(converged=True))
+    with pytest.raises(RunFailed, match="6 steps did not converge"):  # five are allowed
+        tally.structure(0.2, State(), converged=False, steps=1)
