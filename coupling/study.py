@@ -109,7 +109,7 @@ def same_scene_there(scene: Scene, folder: Path) -> bool:
         return False
     try:
         there = load_scene(folder)
-    except SceneError:  # of another version, or a doubled step beyond the limit
+    except SceneError:  # of another version
         return False
     return same_content(scene, there)
 

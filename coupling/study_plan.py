@@ -10,13 +10,14 @@ from typing import Any
 from cloth.thesis.grid import SIZE
 from coupling.foam.mesh import cells_halved, cells_made
 from coupling.metrics.uncertainty import FLOW_ORDER, SHEET_ORDER, STEP_ORDER
-from coupling.scene import Scene, with_overrides
+from coupling.scene import Scene, SceneError, plain_values, scene_from, with_overrides
 from coupling.scene_sections import LADDER
 
 THESIS = "thesis"
 STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own diaphragm is not
 ROWS = (*LADDER, THESIS, *STRETCH.values())
-AS_RUN, COARSER, DOUBLED = "as_run", "coarser_grid", "doubled_step"
+AS_RUN, COARSER = "as_run", "coarser_grid"
+DOUBLED, HALVED = "doubled_step", "halved_step"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +84,9 @@ def less_resolved(entries: Iterable[Entry]) -> list[Entry]:
 def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     """The scene with half the cells, and with the doubled step; the output's instants stay.
 
+    A step that a scene may not have is halved instead: a motion takes 20 steps in a period, a
+    duration whole steps. A coarser grid that may not be is left out.
+
     Half the cells are the flow's where there is one, as near as its meshes come to that, else half
     the diaphragm's triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it
     has no other.
@@ -93,17 +97,31 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
         grid = _with(scene, "openfoam", cells=fewer)
     else:
         grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
+    variants = {COARSER: grid} if _is_valid(grid) else {}
     if scene.cloth.grid == "thesis":
-        return {COARSER: grid}
-    every = scene.time.output_every
-    step = _with(
+        return variants
+    every, kept = scene.time.output_every, scene.time.checkpoint_every
+    doubled = _with(
         scene,
         "time",
         step=2.0 * scene.time.step,
         output_every=every // 2 if every % 2 == 0 else every,
-        checkpoint_every=max(1, scene.time.checkpoint_every // 2),
+        checkpoint_every=max(1, kept // 2),
     )
-    return {COARSER: grid, DOUBLED: step}
+    if _is_valid(doubled):
+        return variants | {DOUBLED: doubled}
+    step = 0.5 * scene.time.step
+    halved = _with(scene, "time", step=step, output_every=2 * every, checkpoint_every=2 * kept)
+    return variants | {HALVED: halved}
+
+
+def _is_valid(scene: Scene) -> bool:
+    """Whether ``scene``, put together without a check, can be read again from its own file."""
+    try:
+        scene_from(plain_values(scene))
+    except SceneError:
+        return False
+    return True
 
 
 def _coarser_cloth(scene: Scene) -> int:
@@ -112,14 +130,18 @@ def _coarser_cloth(scene: Scene) -> int:
 
 
 def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
-    """By which factor the less resolved runs are coarser, and the order taken for the error."""
-    grid = coarser_scenes(scene)[COARSER]
+    """By which factor the runs of ``coarser_scenes`` are coarser, and the order of the error."""
+    variants = coarser_scenes(scene)
+    step = {DOUBLED: (2.0, STEP_ORDER), HALVED: (0.5, STEP_ORDER)}
+    grid = variants.get(COARSER)
+    if grid is None:
+        return step
     if scene.model.fluid == "openfoam":
         fewer = cells_made(scene.openfoam.cells) / cells_made(grid.openfoam.cells)
         coarser = fewer ** (1.0 / 3.0), FLOW_ORDER
     else:
         coarser = scene.cloth.resolution / grid.cloth.resolution, SHEET_ORDER
-    return {COARSER: coarser, DOUBLED: (2.0, STEP_ORDER)}
+    return {COARSER: coarser, **step}
 
 
 def _with(scene: Scene, section: str, **values: Any) -> Scene:

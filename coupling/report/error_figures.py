@@ -22,8 +22,13 @@ COLUMNS = {
     "force_amplitude": "force amplitude",
     "pressure_rms": "pressure (rms)",
 }
-RESOLUTIONS = {"as_run": "as run", "coarser_grid": "coarser grid", "doubled_step": "doubled step"}
-_MARKERS = {"as_run": "o", "coarser_grid": "s", "doubled_step": "^"}
+RESOLUTIONS = {
+    "as_run": "as run",
+    "coarser_grid": "coarser grid",
+    "doubled_step": "doubled step",
+    "halved_step": "halved step",
+}
+_MARKERS = {"as_run": "o", "coarser_grid": "s", "doubled_step": "^", "halved_step": "v"}
 
 
 def errors_figure(errors: Mapping[str, Errors], bars: Errors) -> Picture:

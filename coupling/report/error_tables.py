@@ -121,7 +121,7 @@ def ratios_table(study: Mapping[str, Any]) -> Table | None:
 
 def _own(key: str, reference: str) -> str:
     grid = "half the cells" if reference == "openfoam" else "half the triangles"
-    return {"coarser_grid": grid, "doubled_step": "doubled step"}.get(key, key)
+    return grid if key == "coarser_grid" else key.replace("_", " ")
 
 
 def _cell(name: str, value: float | None, bar: float | None, below: bool) -> str:

@@ -11,13 +11,14 @@ from small_scene import SMALL
 
 from coupling.atomic import write_json
 from coupling.metrics.summary import summarise
+from coupling.metrics.uncertainty import error_bars
 from coupling.report import write_report
 from coupling.report.page import percent
 from coupling.results import read_results
 from coupling.scene import Scene, load_scene, scene_toml, with_overrides
 from coupling.scene_errors import SceneError
 from coupling.study import run_study
-from coupling.study_plan import coarser_scenes, thesis_row
+from coupling.study_plan import coarsening, coarser_scenes, thesis_row
 from coupling.study_record import StudyRecord
 
 
@@ -97,6 +98,20 @@ def test_the_less_resolved_scenes_keep_the_instants_of_output() -> None:
     cloth = coarser_scenes(with_model(scene, "hydrostatic"))["coarser_grid"]
     assert cloth.cloth.resolution == 17  # 24 rings over sqrt(2): half the triangles
     assert cloth.openfoam == scene.openfoam
+
+
+def test_a_study_runs_only_scenes_that_can_be_read_again() -> None:
+    """A doubled step beyond a twentieth of the period is not one; nor is half of an odd count."""
+    longest = with_overrides(run.scene(), ["time.step=0.04", "time.duration=1.6"])  # of 0.8 s
+    assert set(coarser_scenes(longest)) == {"coarser_grid", "halved_step"}
+    scenes = [run.scene(), longest]
+    for less in (less for scene in scenes for less in coarser_scenes(scene).values()):
+        assert with_overrides(less, []) == less
+    halved = coarser_scenes(longest)["halved_step"].time
+    assert halved.step * halved.output_every == longest.time.step * longest.time.output_every
+    # an error e at h is e/4 at h/2, of second order: they differ by 3/4 of it
+    bars = error_bars({"halved_step": {"shape_rms": 0.03}}, coarsening(longest), ["shape_rms"])
+    assert bars["shape_rms"] == pytest.approx(0.04)
 
 
 def test_a_coarse_scene_with_half_the_cells_can_be_read_again() -> None:
