@@ -66,8 +66,8 @@ def test_too_many_unconverged_steps_stop_the_run():
     scene = shaken(1.25, 0.25)
     cloth = diaphragm_of(scene)
     tally = Tally(scene, cloth.thickness)
-    for _ in range(scene.coupling.max_unconverged):
-        tally.structure(0.1, cloth.state, converged=False, steps=8)
+    for step in range(scene.coupling.max_unconverged):
+        tally.structure(0.002 * step, cloth.state, converged=False, steps=8)
     with pytest.raises(RunFailed, match=r"6 steps did not converge. Raise cloth.iterations"):
         tally.structure(0.1, cloth.state, converged=False, steps=8)
     assert tally.statistics.halved_steps == 6
