@@ -21,7 +21,7 @@ from coupling.participants import Participants
 from coupling.ports import LiquidSample, RunFailed
 from coupling.results import ResultsWriter, read_results
 from coupling.run_record import RunStatistics
-from coupling.scene import Scene, load_scene, scene_toml, write_scene
+from coupling.scene import SCENE_FILE, Scene, load_scene, write_scene
 from coupling.strength import burst_warning
 from coupling.structure import DryStep
 
@@ -62,8 +62,9 @@ class _Run:
 
     def from_start(self) -> dict[str, Any]:
         """The whole run; returns the summary."""
+        written = (self.folder / SCENE_FILE).read_text(encoding="utf-8")  # its tables beside it
         self.results = ResultsWriter(
-            self.folder, scene_toml=scene_toml(self.scene), model=self.scene.model.fluid,
+            self.folder, scene_toml=written, model=self.scene.model.fluid,
             reference=self.sides.cloth.reference, triangles=self.sides.cloth.triangles,
         )  # fmt: skip
         self.iterations = IterationLog(self.folder)

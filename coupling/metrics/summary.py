@@ -23,7 +23,7 @@ from coupling.ports import Array
 from coupling.results import Results
 from coupling.run_record import RunStatistics
 from coupling.scene import Scene
-from coupling.strength import stress_estimate
+from coupling.strength import strength_verdict, stress_estimate
 
 
 def summarise(
@@ -56,6 +56,7 @@ def summarise(
         "tension_max_N_per_m": statistics.tension_max,
         "stress_max_Pa": statistics.stress_max,
         "would_burst": None if strength is None else stress_estimate(scene) > strength,
+        "strength_verdict": strength_verdict(scene, statistics.stress_max),
         "rubbing": _rubbing(results),
         "settle_change_m": statistics.settle_change,
         "halved_steps": statistics.halved_steps,

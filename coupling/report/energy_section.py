@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from coupling.metrics.energy import rest
@@ -9,6 +11,7 @@ from coupling.report.files import RunFiles
 from coupling.report.page import Picture, Section, Table, number, percent
 from coupling.report.style import BLUE, GREY, INK, ORANGE, legend_above, new_figure, svg, thinned
 
+PARTS = ("liquid_J", "bending_damping_J", "drag_J", "rest_J")  # add up to the dissipated
 _ROWS = {
     "liquid_J": "… by the liquid",
     "removed_J": "… … of it taken out by the rule against made energy",
@@ -47,19 +50,44 @@ def energy_table(run: RunFiles) -> Table:
     rows = [
         ["Work of the tank’s acceleration", number(period["work_J"], "J"), ""],
         ["Largest energy stored", number(period["peak_J"], "J"), ""],
-        ["Dissipated", number(lost, "J"), f"{percent(period['fraction'])} of the largest stored"],
+        ["Dissipated", number(lost, "J"), _of_stored(period["fraction"])],
     ]
+    shared = _has_shares(period)
     rows += [
-        [text, number(period[name], "J"), percent(period[name] / lost) if lost else "–"]
+        [text, number(period[name], "J"), percent(period[name] / lost) if shared else ""]
         for name, text in _ROWS.items()
         if period[name] is not None
     ]
-    return Table(head=["A period", "", "of the dissipated"], rows=rows, note=_note(run))
+    head = ["A period", "", "of the dissipated" if shared else ""]
+    return Table(head=head, rows=rows, note=_note(run))
+
+
+def _of_stored(fraction: float | None) -> str:
+    """What is dissipated over the largest energy stored: no part of it, so it may be more."""
+    if fraction is None:
+        return ""
+    if abs(fraction) > 1.0:
+        return f"{number(fraction)} times the largest stored"
+    return f"{percent(fraction)} of the largest stored"
+
+
+def _has_shares(period: dict[str, Any]) -> bool:
+    """Whether the parts of what is dissipated are parts of it: none of them makes energy."""
+    removed = period["removed_J"] or 0.0
+    parts = (*(period[name] for name in PARTS), removed, period["liquid_J"] - removed)
+    return bool(period["dissipated_J"] > 0.0 and min(parts) >= 0.0)
 
 
 def _note(run: RunFiles) -> str:
-    layer = run.summary["energy"]["per_period"]["wall_layer_estimate_J"]
-    text = "A negative share makes energy. "
+    period = run.summary["energy"]["per_period"]
+    layer = period["wall_layer_estimate_J"]
+    text = ""
+    if not _has_shares(period):
+        largest = max(abs(period[name]) for name in PARTS)
+        text = (
+            "What is negative makes energy, so that the parts are no shares of the whole: up to "
+            f"{number(largest, 'J', 2)} of losses and gains cancel in it. "
+        )
     if layer is not None:
         text += (
             f"Laminar boundary layers at the walls would take about {number(layer, 'J', 2)} a "

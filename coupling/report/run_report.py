@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 from datetime import UTC, datetime
+from typing import Any
 
 import h5py
 import numpy as np
@@ -46,8 +47,7 @@ def run_page(run: RunFiles) -> Page:
         alarm = f"Not completed ({summary['status']}): {reached}. {summary['error'] or ''}"
     return Page(
         title=run.scene.title or run.folder.resolve().name,
-        subtitle=f"{run.model} · {number(summary['simulated_s'], 's')} simulated in "
-        f"{number(summary['wall_s'], 's')} · diaphragm tank, fluid and diaphragm coupled",
+        subtitle=f"{run.model} · {_extent(summary)} · diaphragm tank, fluid and diaphragm coupled",
         verdict=headline,
         explanation=explanation,
         alarm=alarm,
@@ -55,6 +55,14 @@ def run_page(run: RunFiles) -> Page:
         sections=_sections(run),
         footer=provenance(run),
     )
+
+
+def _extent(summary: dict[str, Any]) -> str:
+    """How much was simulated, in which time."""
+    wall = number(summary["wall_s"], "s")
+    if not summary["steps"]:
+        return f"no step was completed in {wall}"
+    return f"{number(summary['simulated_s'], 's')} simulated in {wall}"
 
 
 def _sections(run: RunFiles) -> list[Section]:

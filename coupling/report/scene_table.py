@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from coupling.foam.mesh import cells_made
 from coupling.numbers import numbers_of
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
+from coupling.strength import strength_verdict
 
 
 def scene_tables(run: RunFiles) -> list[Table]:
@@ -17,7 +19,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
     shaking = {
         "sine": f"{number(motion.frequency, 'Hz')}, {number(1e3 * (motion.amplitude or 0), 'mm')} "
         "centre to peak",
-        "table": f"table {motion.file}",
+        "table": f"table {Path(motion.file or '').name}",
         "rest": "none",
     }[motion.kind]
     flow = cells_made(scene.openfoam.cells) if scene.model.fluid == "openfoam" else "none"
@@ -70,13 +72,17 @@ def motion_table(run: RunFiles) -> Table:
         )
     periods = run.summary.get("fitted_periods")
     how = (
-        f"First harmonic over the last {periods} whole periods; the phase is against the tank’s "
+        f"First harmonic over the last {_periods(periods)}; the phase is against the tank’s "
         "displacement, negative where it lags. CG in the tank frame."
         if periods
         else "Half the peak-to-peak range: there is no whole period to fit."
     )
     head = ["", "CG (mm)", "phase (°)", "force (N)", "phase (°)", "moment (N m)", "phase (°)"]
     return Table(head=head, rows=rows, note=how + " The moment is about the tank’s centre.")
+
+
+def _periods(count: int) -> str:
+    return "whole period" if count == 1 else f"{count} whole periods"
 
 
 def transfer_table(run: RunFiles) -> Table | None:
@@ -162,6 +168,9 @@ def rubber_table(run: RunFiles) -> Table:
     ]
     if strength is not None:
         rows.append(["Strength of the rubber", number(1e-6 * strength, "MPa")])
+    verdict = strength_verdict(run.scene, stress)
+    if verdict is not None:
+        rows.append(["Would it hold?", verdict])
     if "rubbing" in summary:
         rows += _slips(summary["rubbing"])
     return Table(

@@ -25,18 +25,24 @@ def verdict(run: RunFiles) -> tuple[str, str]:
         )
     if not run.has_flow:
         return _of_hydrostatics(run, momentum)
-    size = max(momentum, dynamic or 0.0)
-    headline = (
-        f"Hydrostatics holds here: it leaves out {percent(size)} at the most."
-        if size < ENOUGH
-        else f"Hydrostatics fails here: it leaves out {percent(momentum)} of the liquid's momentum."
-    )
-    return headline, (
+    return _headline(momentum, dynamic or 0.0), (
         f"The liquid's centre of gravity accelerates within the tank at {percent(momentum)} of the "
         "tank's own acceleration, and hydrostatics holds no force for that. "
         f"The pressure left out is {percent(dynamic)} (rms) of the hydrostatic pressure's "
         "variation over the diaphragm." + _shortness(run)
     )
+
+
+def _headline(momentum: float, dynamic: float) -> str:
+    """Whether hydrostatics holds, by the figures that say so."""
+    shares = {
+        f"{percent(momentum)} of the liquid's momentum": momentum,
+        f"{percent(dynamic)} (rms) of the pressure's variation": dynamic,
+    }
+    failed = [text for text, share in shares.items() if share >= ENOUGH]
+    if failed:
+        return f"Hydrostatics fails here: it leaves out {' and '.join(failed)}."
+    return f"Hydrostatics holds here: it leaves out {percent(max(momentum, dynamic))} at the most."
 
 
 def _shortness(run: RunFiles) -> str:

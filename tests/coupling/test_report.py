@@ -146,7 +146,7 @@ def test_energy_and_parts_of_the_pressure_are_told_where_the_results_hold_them(
     section = energy_section(read)
     assert section is not None
     table = {row[0]: row[1:] for row in section.tables[0].rows}
-    assert table["Dissipated"] == ["20\u202fJ", "500\u202f% of the largest stored"]
+    assert table["Dissipated"] == ["20\u202fJ", "5 times the largest stored"]
     assert table["… by the liquid"] == ["5\u202fJ", "25\u202f%"]
     assert table["… by impacts, snapping taut and the time step"] == ["4\u202fJ", "20\u202f%"]
     split = split_table(read)
