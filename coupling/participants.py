@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
 
@@ -46,11 +47,10 @@ class Participants:
 
     def settle(self) -> None:
         """Bring the diaphragm to rest at its level. Raises ``RunFailed`` where it finds none."""
-        clock = perf_counter()
-        self.tally.statistics.settle_change = settle_diaphragm(
-            self.cloth, self.scene, self.load(0.0, at_rest=True)
-        )
-        self.tally.seconds("structure", clock)
+        with self._timed("structure"):
+            self.tally.statistics.settle_change = settle_diaphragm(
+                self.cloth, self.scene, self.load(0.0, at_rest=True)
+            )
 
     def start(self, record: Record) -> None:
         """Couple the liquid, at rest, to the settled diaphragm.
@@ -59,9 +59,17 @@ class Participants:
         """
         self._couple(record)
         if isinstance(self.step, CoupledStep):
-            clock = perf_counter()
-            start_flow(self.flow, self.mapping, self.scene, self.cloth)
-            self.tally.seconds("fluid", clock)
+            with self._timed("fluid"):
+                start_flow(self.flow, self.mapping, self.scene, self.cloth)
+
+    @contextmanager
+    def _timed(self, part: str) -> Iterator[None]:
+        """Add the wall time of what is done to ``part``, also where that fails."""
+        clock = perf_counter()
+        try:
+            yield
+        finally:
+            self.tally.seconds(part, clock)
 
     def restore(self, saved: Mapping[str, Mapping[str, AnyArray]], record: Record) -> None:
         """The reverse of ``save``, in place of ``settle`` and ``start``."""
@@ -104,26 +112,41 @@ class Participants:
         Raises ``RunFailed`` when too many steps did not converge.
         """
         dt, tally, step = self.scene.time.step, self.tally, self.step
-        clock = perf_counter()
         whole = isinstance(step, CoupledStep) and not self.flow.case.uneven_steps
         self._parts = []
-        parts = advance(
-            step, now, dt, self.load, halvings=0 if whole else HALVINGS, taken=self._taken
-        )
+        with self._step_timed():
+            parts = advance(
+                step, now, dt, self.load, halvings=0 if whole else HALVINGS, taken=self._taken
+            )
         if isinstance(step, CoupledStep):
             return self._coupled(step, after, parts)
-        tally.seconds("structure", clock)
         state = self.cloth.state
         tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
         tally.structure(after, state, converged=self._converged, steps=parts)
         if isinstance(step, DryStep):
             return None, 1, 0.0
         sample, shapes, residual = step.told()
-        tally.statistics.wall_by_part["structure"] -= step.wall
-        tally.statistics.wall_by_part["fluid"] += step.wall
-        step.wall = 0.0
         tally.liquid(sample, shapes)
         return sample, shapes, residual
+
+    @contextmanager
+    def _step_timed(self) -> Iterator[None]:
+        """Add the wall time of a step to its parts, also where it fails."""
+        clock, step = perf_counter(), self.step
+        by_part = self.tally.statistics.wall_by_part
+        try:
+            yield
+        finally:
+            if isinstance(step, CoupledStep):
+                for part, seconds in step.wall.items():
+                    by_part[part] += seconds
+                    step.wall[part] = 0.0
+            else:
+                self.tally.seconds("structure", clock)
+            if isinstance(step, PotentialStep):
+                by_part["structure"] -= step.wall
+                by_part["fluid"] += step.wall
+                step.wall = 0.0
 
     def _taken(self, dt: float) -> None:
         """Note the end of a part of ``dt`` [s]."""
@@ -146,9 +169,6 @@ class Participants:
         self, step: CoupledStep, after: float, parts: int
     ) -> tuple[FlowSample, int, float]:
         outcome = step.told()
-        for part, seconds in step.wall.items():
-            self.tally.statistics.wall_by_part[part] += seconds
-            step.wall[part] = 0.0
         self.tally.coupling(after, outcome)
         self.tally.structure(after, self.cloth.state, converged=self._converged, steps=parts)
         return outcome.sample, outcome.iterations, outcome.residual

@@ -1,12 +1,14 @@
 """What a run counts."""
 
 from dataclasses import dataclass, field
+from time import sleep
 
 import known_run as run
 import numpy as np
 import pytest
 
-from coupling.ports import RunFailed
+from coupling.participants import Participants
+from coupling.ports import RunFailed, StepFailed
 from coupling.tally import Tally
 
 
@@ -39,3 +41,19 @@ def test_a_step_that_fails_on_both_sides_counts_once():
     tally.coupling(0.2, Outcome(converged=True))
     with pytest.raises(RunFailed, match="6 steps did not converge"):  # five are allowed
         tally.structure(0.2, State(), converged=False, steps=1)
+
+
+def test_the_time_of_a_step_that_fails_is_not_the_rest(monkeypatch, tmp_path):
+    """A run that ended in its first step said: the rest, 100 %."""
+
+    def fails(*_, **__):
+        sleep(0.02)
+        raise StepFailed("t = 0.02 s: of the test")
+
+    scene = run.scene()
+    model = scene.model.model_copy(update={"fluid": "hydrostatic"})
+    sides = Participants(scene.model_copy(update={"model": model}), tmp_path)
+    monkeypatch.setattr("coupling.participants.advance", fails)
+    with pytest.raises(StepFailed):
+        sides.advance(0.0, 0.02)
+    assert sides.tally.statistics.wall_by_part["structure"] >= 0.02
