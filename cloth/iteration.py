@@ -201,7 +201,7 @@ class Iteration:
         return ArithmeticError(
             f"cloth: the inner iteration has diverged after {self.done} iterations at a time step "
             f"of {self.problem.dt:.3g} s and nodal forces up to {self.largest_force:.3g} N: "
-            f"{symptom}. Halve time.step, or check the force: the coupling may have diverged first."
+            f"{symptom}."
         )
 
 

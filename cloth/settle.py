@@ -154,8 +154,7 @@ def settle(
             cloth.restore(_extrapolated(cloth, new, old, momentum.factor(moved, motion)))
         old = new
     log.warning(
-        "not settled after %d steps: rms change %.1e m a step, tolerance %.1e m. "
-        "Raise steps_max or ramp_steps.",
+        "not settled after %d steps: rms change %.1e m a step, tolerance %.1e m",
         steps_max,
         change,
         limit,

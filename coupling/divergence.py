@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from coupling.ports import RunFailed, StepFailed
+from coupling.ports import Cause, RunFailed, StepFailed
 
 
 @contextmanager
@@ -33,5 +33,6 @@ def diverged(time: float, residuals: list[float], kind: type[RunFailed] = StepFa
     last = ", ".join(f"{residual:.1e}" for residual in residuals[-4:])
     return kind(
         f"t = {time:.6g} s: the coupling diverges: the last iterations left residuals of {last} "
-        "times the step's own displacement. Take coupling.scheme = 'added-mass' or halve time.step."
+        "times the step's own displacement.",
+        cause=Cause.COUPLING,
     )

@@ -16,6 +16,7 @@ from coupling import checkpoint
 from coupling.atomic import write_json
 from coupling.energy import EnergyBalance, stored_in
 from coupling.iteration_log import IterationLog
+from coupling.mends import with_mend
 from coupling.metrics.summary import summarise
 from coupling.participants import Participants
 from coupling.ports import LiquidSample, RunFailed
@@ -147,7 +148,8 @@ class _Run:
         try:
             body()
         except (RunFailed, ArithmeticError) as error:  # the latter from the diaphragm's own solver
-            reason = str(error) if self.burst is None else f"{error} {self.burst}"
+            reason = with_mend(error, self.scene, self.tally.statistics.flow_solver)
+            reason = reason if self.burst is None else f"{reason} {self.burst}"
             _log.error("%s", reason)
             return self._finish("failed", reason)
         except KeyboardInterrupt:

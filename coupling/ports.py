@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,8 +19,24 @@ Ints = NDArray[np.int64]
 AnyArray = NDArray[Any]
 
 
+class Cause(Enum):
+    """What made a run fail, where what helps depends on its scene: ``mends`` knows that."""
+
+    COUPLING = "the coupling diverges"
+    MESH = "no mesh of the liquid is valid"
+    FLOW = "the flow diverges"
+    SHEET = "the diaphragm's inner iteration diverges"
+
+
 class RunFailed(Exception):  # noqa: N818 - named for what a user reads
-    """A run that cannot go on; the message says when, what and the mend."""
+    """A run that cannot go on; the message says when and what, and the mend unless it has a cause.
+
+    ``cause``: the mend is ``mends.mend``'s, which knows the scene.
+    """
+
+    def __init__(self, message: str = "", *, cause: Cause | None = None) -> None:
+        super().__init__(message)
+        self.cause = cause
 
 
 class StepFailed(RunFailed):

@@ -124,8 +124,8 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> f
     if not outcome.converged:
         raise RunFailed(
             f"settling: the diaphragm still moves by {outcome.change:.1e} m a step after "
-            f"{outcome.steps} steps. Raise time.settle, lower cloth.resolution, or let it start "
-            f"so: time.settle_tolerance = {2.0 * outcome.change / scene.tank.radius:.0e}."
+            f"{outcome.steps} steps. Let it start so: time.settle_tolerance = "
+            f"{2.0 * outcome.change / scene.tank.radius:.0e}; or try another cloth.resolution."
         )
     cloth.held = scene.diaphragm.held
     return outcome.change

@@ -6,6 +6,7 @@ import logging
 from time import perf_counter
 
 from coupling.coupled_step import StepOutcome
+from coupling.mends import better_scheme, said
 from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
 from coupling.run_record import RunStatistics
 from coupling.scene import Scene
@@ -46,7 +47,7 @@ class Tally:
                 time,
                 f"t = {time:.6g} s: the diaphragm's solver left a tensile strain of {strain:.2e} "
                 f"(cloth.strain_limit {limit:g}).",
-                "Raise cloth.iterations, or halve time.step.",
+                f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
             )
 
     def volume(self, error: float) -> None:
@@ -78,8 +79,13 @@ class Tally:
                 f"t = {time:.6g} s: the coupling left a relative residual of "
                 f"{outcome.residual:.1e} after {outcome.iterations} iterations in all (tolerance "
                 f"{self.scene.coupling.tolerance:g}).",
-                "Halve time.step, raise coupling.max_iterations, or take coupling.scheme = "
-                "'added-mass'.",
+                said(
+                    [
+                        *better_scheme(self.scene),
+                        f"halve time.step (it is {self.scene.time.step:g} s)",
+                        f"raise coupling.max_iterations above {self.scene.coupling.max_iterations}",
+                    ]
+                ),
             )
 
     def _unconverged(self, time: float, message: str, mend: str) -> None:

@@ -23,7 +23,16 @@ from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate
 from coupling.foam.wall import WallFlow, cell_distance, wall_flow
-from coupling.ports import AddedMass, AnyArray, Array, FlowSample, Ints, RunFailed, StepFailed
+from coupling.ports import (
+    AddedMass,
+    AnyArray,
+    Array,
+    Cause,
+    FlowSample,
+    Ints,
+    RunFailed,
+    StepFailed,
+)
 
 CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
 
@@ -131,7 +140,8 @@ class OpenFoamFlow:
         if missed > CLOSURE:
             raise StepFailed(
                 f"{self._moment}: the interface changes the liquid's volume by {missed:.1e} of it; "
-                "OpenFOAM would answer with a pressure that means nothing. Halve time.step."
+                "OpenFOAM would answer with a pressure that means nothing.",
+                cause=Cause.MESH,
             )
         pressure, self._velocity = self.case.advance(
             self.time, self._end, self._following.points_now

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from coupling.foam.process import OpenFoamFailed
-from coupling.ports import Array, Ints
+from coupling.ports import Array, Cause, Ints
 
 _INTERNAL = re.compile(rb"internalField\s+(uniform|nonuniform)\s*")
 _COUNT = re.compile(rb"List<(scalar|vector)>\s*\n?(\d+)\s*\n?\(")
@@ -70,7 +70,7 @@ def read_cells(path: Path, cells: int) -> Array:
     if values is None:
         raise OpenFoamFailed(f"{path}: expected the values of {cells} cells.")
     if not np.isfinite(values).all():
-        raise OpenFoamFailed(f"{path}: the flow diverged, it is not finite. Halve time.step.")
+        raise OpenFoamFailed(f"{path}: the flow diverged, it is not finite.", cause=Cause.FLOW)
     return values
 
 

@@ -16,7 +16,7 @@ from coupling.foam.geometry import (
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.smoothing import ElasticMesh, MeshFolds
 from coupling.interface import swept_gradient
-from coupling.ports import Array, Ints, RunFailed, StepFailed
+from coupling.ports import Array, Cause, Ints, RunFailed, StepFailed
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
 BETTER = 5.0  # degrees that a new mesh must gain
@@ -174,8 +174,8 @@ class FollowingMesh:
             place = ", ".join(f"{x:.3f}" for x in geometry.centre[np.argmin(geometry.volume)])
             why = f"a cell near ({place}) m is turned inside out"
         raise StepFailed(
-            f"{moment}: no valid mesh of the liquid was found below the diaphragm: {why}. "
-            "Lower motion.amplitude, or take model.fluid = 'potential', which needs no mesh."
+            f"{moment}: no valid mesh of the liquid was found below the diaphragm: {why}.",
+            cause=Cause.MESH,
         )
 
     def _skewness(self, geometry: CellGeometry) -> float:

@@ -16,7 +16,7 @@ from coupling.foam.mesh import LiquidMesh
 from coupling.foam.parts import gathered
 from coupling.foam.pipes import ADVANCE, REPEAT, WRITE, Frame, Pipes
 from coupling.foam.process import OpenFoam, OpenFoamFailed
-from coupling.ports import Array, StepFailed
+from coupling.ports import Array, Cause, StepFailed
 
 
 def case_of(folder: Path, mesh: LiquidMesh, *, openfoam: OpenFoam, timeout: float) -> Case:
@@ -76,7 +76,7 @@ class AliveCase(Case):
         pressure = gathered(self.parts, [own[0] for own in fields])
         velocity = gathered(self.parts, [own[1:].reshape(-1, 3) for own in fields])
         if not (np.isfinite(pressure).all() and np.isfinite(velocity).all()):
-            raise StepFailed(f"{moment}: the flow diverged, it is not finite. Halve time.step.")
+            raise StepFailed(f"{moment}: the flow diverged, it is not finite.", cause=Cause.FLOW)
         return pressure, velocity
 
     def _started(self, start: float, end: float, moment: str) -> Pipes:

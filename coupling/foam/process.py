@@ -7,6 +7,7 @@ five status files a call. PyFoam reads the logs and edits the dictionaries.
 from __future__ import annotations
 
 import os
+import re
 import select
 import shutil
 import signal
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import IO
 
 from coupling.foam.solver_cache import WALLS, built_solver
-from coupling.ports import RunFailed
+from coupling.ports import Cause, RunFailed
 
 STOCK = "pimpleFoam"  # the solver that the one that stays alive stands in for
 LOG_TAIL = 15  # lines of a failed program's log that its error quotes
@@ -208,11 +209,23 @@ def no_answer(program: Path, log: Path, timeout: float, moment: str) -> OpenFoam
 
 def ended(program: Path, status: int, log: Path, moment: str) -> OpenFoamFailed:
     """The error of a program that ended with ``status`` where it should not have."""
-    cause = f"exit status {status}" if status >= 0 else f"signal {-status}"
+    how, tail = f"exit status {status}" if status >= 0 else f"signal {-status}", log_tail(log)
+    diverged, mend = False, f"Read {log}."
+    if _signal(status) == signal.SIGFPE or "sigFpe" in tail:
+        diverged, mend = True, f"A number overflowed: the flow diverged, see {log}."
+    elif _signal(status) == signal.SIGKILL:
+        mend = "It was killed, as the system does where memory runs out. Go on with 'edt resume'."
+    elif re.search("error while loading shared libraries|symbol lookup error", tail):
+        mend = "One of its libraries cannot be loaded. Mend LD_LIBRARY_PATH, then 'edt resume'."
     return OpenFoamFailed(
-        f"{moment}: {program.name} ended with {cause}. "
-        f"Halve time.step, or read {log}.\n{log_tail(log)}"
+        f"{moment}: {program.name} ended with {how}. {mend}\n{tail}",
+        cause=Cause.FLOW if diverged else None,
     )
+
+
+def _signal(status: int) -> int:
+    """The signal that ended a program of exit ``status``, also one below a shell or mpirun."""
+    return -status if status < 0 else max(0, status - 128)
 
 
 def _await(process: subprocess.Popen[bytes], timeout: float) -> None:
