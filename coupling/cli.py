@@ -9,6 +9,7 @@ import typer
 
 from coupling.cli_options import (
     MODELS,
+    AllowCommand,
     AsJson,
     Changes,
     Force,
@@ -62,6 +63,7 @@ def run(
     scene_path: ScenePath,
     output: Output = None,
     changes: Changes = None,
+    allow_command: AllowCommand = False,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
@@ -86,7 +88,7 @@ def run(
 
 @app.command()
 @guarded
-def resume(folder: RunFolder, as_json: AsJson = False) -> None:
+def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJson = False) -> None:
     """Go on from the last checkpoint, with the results of a run that never stopped."""
     check_resumable(folder)
     scene = load_scene(folder)
@@ -136,6 +138,7 @@ def study(
     ] = False,
     output: Output = None,
     changes: Changes = None,
+    allow_command: AllowCommand = False,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
@@ -171,10 +174,15 @@ app.command()(render)
 
 @app.command()
 @guarded
-def check(scene_path: ScenePath, changes: Changes = None, as_json: AsJson = False) -> None:
+def check(
+    scene_path: ScenePath,
+    changes: Changes = None,
+    allow_command: AllowCommand = False,
+    as_json: AsJson = False,
+) -> None:
     """Check a scene; say how good each fluid model is for it and what it costs."""
     scene = load_scene(scene_path, changes or ())
-    need_openfoam(scene, [scene.model.fluid])
+    need_openfoam(scene, [scene.model.fluid], start=False)
     numbers, choice = numbers_of(scene), choose(scene)
     if as_json:
         print_json(
@@ -221,7 +229,7 @@ def verify(
 def build_solver() -> None:
     """Build the flow solver that stays alive for a whole run, and is some ten times as fast."""
     from coupling.foam.build import build_solver as build
-    from coupling.foam.process import find_openfoam
+    from coupling.foam.installation import find_openfoam
 
     typer.echo(build(find_openfoam(), say=lambda what: typer.echo(f"{what} ...", err=True)))
 

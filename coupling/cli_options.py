@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,13 +31,40 @@ Force = Annotated[bool, typer.Option("--force", help="Replace the run that the f
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
-def need_openfoam(scene: Scene, models: Sequence[str]) -> None:
-    """Find the flow solver before anything starts, where one is needed."""
-    if "openfoam" in models:
-        from coupling.foam.process import find_openfoam
+def need_openfoam(scene: Scene, models: Sequence[str], *, start: bool = True) -> None:
+    """See that the flow solver works before anything starts, where one is needed.
 
-        chosen = scene.openfoam
-        find_openfoam(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+    With ``start`` false its programs are only looked for.
+    """
+    if "openfoam" not in models:
+        return
+    chosen = scene.openfoam
+    if start:
+        from coupling.foam.rehearsal import rehearse
+
+        rehearse(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+    else:
+        from coupling.foam.installation import check_installed
+
+        check_installed(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+
+
+def _allow_command(allowed: bool) -> None:
+    from coupling.foam.installation import ALLOW_COMMAND
+
+    if allowed:
+        os.environ[ALLOW_COMMAND] = "1"  # worker processes inherit it
+
+
+AllowCommand = Annotated[
+    bool,
+    typer.Option(
+        "--allow-command",
+        callback=_allow_command,
+        expose_value=False,
+        help="Let the scene's openfoam.command be any program, which is then started.",
+    ),
+]
 
 
 def chosen_models(listed: str) -> tuple[str, ...]:

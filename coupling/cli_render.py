@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from coupling.exit_status import ExitStatus, guarded, stop
-from coupling.results import read_results
 from coupling.run_folder import check_reportable
 
 PICTURES = frozenset({".pdf", ".png", ".svg"})
@@ -33,6 +32,7 @@ def render(
     if not (folder / "results.h5").is_file():
         stop(f"{folder}: is no run. Give the folder of one.", ExitStatus.WRONG_INPUT)
     from coupling.report import VIDEOS, render_picture, render_video
+    from coupling.results import read_results
 
     path = output or folder / DEFAULT
     if path.suffix not in VIDEOS | PICTURES:

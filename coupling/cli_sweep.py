@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from coupling.cli_options import (
+    AllowCommand,
     AsJson,
     Changes,
     Force,
@@ -47,6 +48,7 @@ def sweep(
     ] = "hydrostatic,potential",
     output: Output = None,
     changes: Changes = None,
+    allow_command: AllowCommand = False,
     force: Force = False,
     workers: Annotated[
         int | None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-from coupling.foam.process import OpenFoamMissing, find_openfoam
+from coupling.foam.installation import OpenFoamMissing, find_openfoam
 
 _PACKAGES = ("numpy", "scipy", "h5py", "pydantic")
 

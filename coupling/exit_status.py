@@ -12,7 +12,7 @@ from typing import NoReturn, ParamSpec
 
 import typer
 
-from coupling.foam.process import OpenFoamMissing
+from coupling.foam.installation import OpenFoamMissing
 from coupling.ports import RunFailed
 from coupling.run_folder import FolderError
 from coupling.scene import SceneError

@@ -11,8 +11,8 @@ from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.fluids.potential import PotentialLiquid
+from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import half_ball
-from coupling.foam.process import find_openfoam
 from coupling.free_patch import FreePatch
 from coupling.numbers import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad, Structure

@@ -20,6 +20,7 @@ from coupling.foam.process import (
     end_program,
     ended,
     no_answer,
+    scratch_folder,
     start_program,
 )
 
@@ -57,7 +58,7 @@ class Pipes:
         moment: str,
     ) -> None:
         self.program, self.log, self.timeout = program, log, timeout
-        place = Path(tempfile.mkdtemp(prefix="edt-"))
+        place = Path(tempfile.mkdtemp(prefix="edt-", dir=scratch_folder()))
         try:
             paths = [
                 (place / f"request{rank}", place / f"answer{rank}") for rank in range(processes)

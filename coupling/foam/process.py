@@ -1,4 +1,4 @@
-"""Finding OpenFOAM's programs, starting them, watching them, and saying why one failed.
+"""Starting OpenFOAM's programs, watching them, and saying why one failed.
 
 Processes are started directly: PyFoam's runners have no time limit, split paths at blanks and keep
 five status files a call. PyFoam reads the logs and edits the dictionaries.
@@ -12,22 +12,27 @@ import select
 import shutil
 import signal
 import subprocess
+import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import IO
 
-from coupling.foam.solver_cache import WALLS, built_solver
 from coupling.ports import Cause, RunFailed
 
-STOCK = "pimpleFoam"  # the solver that the one that stays alive stands in for
+# The working folder. OpenFOAM takes blanks and quotes out of the paths that it is given, and splits
+# what it is given where they were: what the folder is really called does not reach it.
+_HERE = "/proc/self/cwd"
+# A batch system's and a surrounding mpirun's: our processes all run here, and are not its own.
+_OF_A_JOB = ("SLURM_", "PBS_", "LSB_", "PE_HOSTFILE", "PMI_", "PMIX_", "PRTE_", "OMPI_", "HYDRA_")
+_TRANSPORT = ("OMPI_MCA_btl", "OMPI_MCA_pml", "OMPI_MCA_mtl")  # how messages travel: kept
+_OF_THE_USER = ("WM_PROJECT_SITE", "FOAM_CONTROLDICT")  # settings of OpenFOAM beside its own
+# What a user's settings would otherwise decide: one file a field, traps for NaN and overflow.
+_SETTINGS = {
+    "OMP_NUM_THREADS": "1", "FOAM_FILEHANDLER": "uncollated", "FOAM_SIGFPE": "true",
+    "FOAM_SETNAN": "false", "HOME": "/nonexistent",
+}  # fmt: skip
 LOG_TAIL = 15  # lines of a failed program's log that its error quotes
-_DEBIAN_PROJECT = Path("/usr/share/openfoam")
-
-
-class OpenFoamMissing(RunFailed):
-    """No OpenFOAM where one is needed."""
 
 
 class OpenFoamFailed(RunFailed):
@@ -54,18 +59,57 @@ class OpenFoam:
     @property
     def environment(self) -> dict[str, str]:
         """Environment of a solver call: one thread, and the folder with ``etc/controlDict``."""
-        found = os.environ | {"WM_PROJECT_DIR": str(self.project_dir), "OMP_NUM_THREADS": "1"}
+        found = clean_environment() | {"WM_PROJECT_DIR": str(self.project_dir)}
+        found["TMPDIR"] = str(scratch_folder())
         if self.walls is not None:
             places = [str(self.walls.parent), *filter(None, [found.get("LD_LIBRARY_PATH")])]
             found["LD_LIBRARY_PATH"] = os.pathsep.join(places)
         return found if self.mpirun is None else found | _open_mpi()
 
     def command(self, program: Path, case: Path, *arguments: str) -> list[str]:
-        """The words that start a solver on ``case``, on all processors."""
-        words = [str(program), "-case", str(case), *arguments]
+        """The words that start a solver on ``case``, on all processors, from within its folder."""
+        words = [str(program), "-case", _HERE, *arguments]
         if self.mpirun is None:
             return words
-        return [str(self.mpirun), "-np", str(self.processors), *words, "-parallel"]
+        place = ["env", f"PWD={_HERE}"]  # mpirun gives its own
+        return [str(self.mpirun), "-np", str(self.processors), *place, *words, "-parallel"]
+
+
+def clean_environment() -> dict[str, str]:
+    """Our environment without what would make OpenFOAM another than it is on its own."""
+    kept = {
+        name: value
+        for name, value in os.environ.items()
+        if (name.startswith(_TRANSPORT) or not name.startswith(_OF_A_JOB))
+        and name not in _OF_THE_USER
+    }
+    return kept | _SETTINGS
+
+
+def takes_path(path: Path | str) -> bool:
+    """Whether OpenFOAM and the loader of its libraries take ``path`` as it is.
+
+    They split it at colons and semicolons, expand dollars, and stop at blanks and quotes.
+    """
+    return re.search(r"""[\s"':;$]""", str(path)) is None
+
+
+def scratch_folder() -> Path:
+    """A folder for what lives as long as a process, of a path that OpenFOAM takes.
+
+    Raises ``OpenFoamFailed`` where none can be written.
+    """
+    tried = []
+    with suppress(FileNotFoundError):
+        tried.append(tempfile.gettempdir())
+    tried += ["/tmp", "/var/tmp", "/dev/shm"]
+    for folder in tried:
+        if takes_path(folder) and os.access(folder, os.W_OK | os.X_OK):
+            return Path(folder)
+    raise OpenFoamFailed(
+        f"TMPDIR: none of {', '.join(tried)} can be written and has a path that OpenFOAM takes, "
+        "without blanks, quotes, colons, semicolons and dollars. Set TMPDIR to such a folder."
+    )
 
 
 def _open_mpi() -> dict[str, str]:
@@ -78,77 +122,6 @@ def _open_mpi() -> dict[str, str]:
     if os.geteuid() == 0:  # in a container
         told |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     return told
-
-
-def find_openfoam(
-    command: str = STOCK, *, keep_alive: bool = False, processors: int = 1
-) -> OpenFoam:
-    """The OpenFOAM whose ``command`` stands on the PATH, or the path of a solver.
-
-    With ``keep_alive`` the solver that stays alive is taken where it has been built and the
-    command is the stock solver, whose equations it has. Raises ``OpenFoamMissing`` with the mend.
-    That the solver runs is not checked.
-    """
-    found = shutil.which(command)
-    if found is None:
-        raise OpenFoamMissing(
-            f"openfoam.command: no program '{command}' on the PATH. "
-            "Install OpenFOAM (Debian: apt-get install openfoam) or source its etc/bashrc."
-        )
-    project = Path(os.environ.get("WM_PROJECT_DIR", _DEBIAN_PROJECT))
-    if not (project / "etc" / "controlDict").is_file():
-        raise OpenFoamMissing(
-            f"{found}: no etc/controlDict below {project}. "
-            "Set WM_PROJECT_DIR to OpenFOAM's folder, or source its etc/bashrc."
-        )
-    version = _version(found, str(project))
-    built = built_solver(version) if Path(found).name == STOCK else None
-    alive = built if keep_alive else None
-    return OpenFoam(
-        solver=Path(found),
-        project_dir=project,
-        version=version,
-        keep_alive=alive,
-        walls=None if built is None else built.with_name(WALLS),
-        processors=processors,
-        mpirun=_mpirun(alive) if processors > 1 else None,
-    )
-
-
-def _mpirun(alive: Path | None) -> Path:
-    if alive is None:
-        # CorrectPhi of v1912 holds pcorr in a cell of every processor, and U errs by some 1e-3.
-        raise OpenFoamMissing(
-            "openfoam.processors: more than 1 takes the solver that stays alive; the stock one is "
-            "wrong in a closed domain then. Build it with 'edt build-solver' and keep "
-            f"openfoam.keep_alive = true and openfoam.command = '{STOCK}', or set "
-            "openfoam.processors = 1."
-        )
-    for program, package in (("mpirun", "openmpi-bin"), ("decomposePar", "openfoam")):
-        if shutil.which(program) is None:
-            raise OpenFoamMissing(
-                f"openfoam.processors: more than 1 takes '{program}', which is not on the PATH. "
-                f"Install it (Debian: apt-get install {package}) or set openfoam.processors = 1."
-            )
-    return Path(str(shutil.which("mpirun")))
-
-
-@lru_cache(maxsize=4)
-def _version(solver: str, project: str) -> str:
-    """What the program itself prints; 'unknown' where it does not say."""
-    environment = os.environ | {"WM_PROJECT_DIR": project}
-    try:
-        answer = subprocess.run(
-            [solver, "-help"], env=environment, capture_output=True, text=True, timeout=20
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return "unknown"
-    for line in (answer.stdout + answer.stderr).splitlines():
-        if "OpenFOAM-" in line:
-            return line.split("OpenFOAM-", 1)[1].split()[0].strip(".,()")
-        if line.startswith("Using: OpenFOAM"):
-            return line.split(" ", 2)[-1].split()[0].strip(".,()")
-    return "unknown"
 
 
 # util-linux: the solver dies with us, also when we are killed, and leaves no late files.
@@ -193,7 +166,7 @@ def start_program(
         return subprocess.Popen(
             [*_LEASH, *openfoam.command(program, case, *arguments)],
             cwd=case, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
-            env=openfoam.environment | {"PWD": str(case)}, process_group=0,
+            env=openfoam.environment | {"PWD": _HERE}, process_group=0,
         )  # fmt: skip
     except OSError as error:
         raise OpenFoamFailed(f"{moment}: {program} cannot be started: {error}.") from error

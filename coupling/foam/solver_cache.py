@@ -34,14 +34,22 @@ def sources() -> dict[str, str]:
     return below(files("coupling.foam") / "solver", "")
 
 
+def _key() -> str:
+    text = "\0".join(f"{name}\0{content}" for name, content in sources().items())
+    return sha256(text.encode()).hexdigest()[:12]
+
+
 def solver_path(version: str) -> Path:
     """Where the solver built from these sources against OpenFOAM ``version`` belongs."""
-    text = "\0".join(f"{name}\0{content}" for name, content in sources().items())
-    key = sha256(text.encode()).hexdigest()[:12]
-    return cache_folder() / f"{version}-{key}" / NAME
+    return cache_folder() / f"{version}-{_key()}" / NAME
 
 
 def built_solver(version: str) -> Path | None:
     """The solver for OpenFOAM ``version`` where it has been built; the library stands beside it."""
     path = solver_path(version)
     return path if os.access(path, os.X_OK) else None
+
+
+def built_for_any() -> bool:
+    """Whether the solver has been built for any version of OpenFOAM."""
+    return any(os.access(path, os.X_OK) for path in cache_folder().glob(f"*-{_key()}/{NAME}"))

@@ -13,8 +13,8 @@ from threadpoolctl import threadpool_limits
 
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.geometry import fan_volume
+from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import LiquidMesh
-from coupling.foam.process import find_openfoam
 from coupling.inviscid.harmonics import SolidHarmonics
 from coupling.inviscid.ritz import RitzLiquid, wall_integral
 from coupling.ports import Array, Ints

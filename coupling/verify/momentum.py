@@ -14,8 +14,8 @@ from coupling.coupled_step import CoupledStep
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.geometry import cell_geometry
+from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import half_ball
-from coupling.foam.process import find_openfoam
 from coupling.mapping import Matching
 from coupling.motion import SineMotion
 from coupling.ports import Array, HydrostaticLoad, RunFailed

@@ -15,8 +15,8 @@ from scipy.optimize import least_squares
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
 from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import LiquidMesh, assemble
-from coupling.foam.process import find_openfoam
 from coupling.mapping import Matching
 from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed
 from coupling.schemes import scheme_named

@@ -14,8 +14,8 @@ from threadpoolctl import threadpool_limits
 
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.geometry import fan_volume
+from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import LiquidMesh, half_ball, shell_shares
-from coupling.foam.process import find_openfoam
 from coupling.ports import Array
 from coupling.sloshing_modes import lateral_eigenvalue
 from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity

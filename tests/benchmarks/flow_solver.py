@@ -25,9 +25,10 @@ from rich.table import Table
 
 from coupling.foam.case import Case
 from coupling.foam.fields import read_cells, read_points
+from coupling.foam.installation import find_openfoam
 from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh, half_ball
-from coupling.foam.process import OpenFoam, find_openfoam, run_program
+from coupling.foam.process import OpenFoam, run_program
 from coupling.ports import Array
 
 RADIUS, VISCOSITY, STEP, STEPS = 0.4445, 1e-6, 0.005, 22

@@ -69,7 +69,7 @@ def test_a_run_stands_where_there_is_nothing_to_check_it_with(tmp_path):
     assert summary["status"] == "completed"
     assert summary["auto"]["checked"]["error"] is None
     says = summary["auto"]["checked"]["says"]
-    assert says.startswith("not checked: openfoam failed: openfoam.command: no program")
+    assert says.startswith("not checked: openfoam failed: openfoam.command: must be")
 
 
 def test_no_run_starts_before_a_model_is_chosen(tmp_path):

@@ -265,8 +265,11 @@ def test_a_later_point_without_its_solver_starts_nothing(
     (tmp_path / "etc").mkdir()
     (tmp_path / "etc" / "controlDict").touch()
     monkeypatch.setenv("WM_PROJECT_DIR", str(tmp_path))
+    monkeypatch.setenv("EDT_ALLOW_COMMAND", "1")
+    monkeypatch.setattr("coupling.foam.rehearsal._step", lambda *_: "")  # it is no flow solver
     folder = tmp_path / "sweep"
-    over = f"openfoam.command={sys.executable},/no/solver"
+    (tmp_path / "python").symlink_to(sys.executable)
+    over = f"openfoam.command={tmp_path}/python,/no/solver"
     words = [path, "--over", over, "--models", "hydrostatic,openfoam", "-o", folder]
     result = CliRunner().invoke(app, ["sweep", *map(str, words)])
     assert "no program '/no/solver'" in " ".join(result.output.split())

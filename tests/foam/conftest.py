@@ -13,7 +13,8 @@ import pytest
 
 from coupling.foam.build import build_solver
 from coupling.foam.debian_source import NoHeaders
-from coupling.foam.process import OpenFoam, find_openfoam
+from coupling.foam.installation import find_openfoam
+from coupling.foam.process import OpenFoam
 
 EDT = [sys.executable, "-c", "from coupling.cli import main; main()"]
 SCENE = """\

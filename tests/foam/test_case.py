@@ -17,8 +17,9 @@ from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.geometry import cell_geometry, fan_volume, non_orthogonality
 from coupling.foam.gradients import wall_distance
+from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import half_ball
-from coupling.foam.process import find_openfoam, run_program
+from coupling.foam.process import run_program
 from coupling.interface import pressure_force
 
 pytestmark = pytest.mark.openfoam

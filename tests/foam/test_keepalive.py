@@ -16,7 +16,8 @@ import pytest
 from test_case import STEP, check_mesh, flow_at_rest, moved
 
 from coupling.foam.fields import read_cells, read_points
-from coupling.foam.process import OpenFoamFailed, find_openfoam
+from coupling.foam.installation import find_openfoam
+from coupling.foam.process import OpenFoamFailed
 from coupling.ports import RunFailed
 
 pytestmark = pytest.mark.openfoam
