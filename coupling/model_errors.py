@@ -227,22 +227,28 @@ def choose(scene: Scene) -> Choice:
     known, tolerance = estimates(scene), scene.model.tolerance
     for fluid in LADDER:
         if known[fluid].upper <= tolerance:
-            return Choice(fluid=fluid, reason=_reason(fluid, known, tolerance), estimates=known)
+            return Choice(
+                fluid=fluid,
+                reason=f"{fluid} is the cheapest that keeps {tolerance:.3g} in nine scenes of ten: "
+                f"{_figures(known[fluid])}",
+                estimates=known,
+            )
     best = min(LADDER, key=lambda fluid: known[fluid].upper)
     return Choice(
         fluid=best,
-        reason=f"no model is expected to keep {tolerance:.3g}: the best one, {best}, is taken "
-        f"(expected {known[best].expected:.2g}, nine in ten below {known[best].upper:.2g})",
+        reason=f"no model keeps {tolerance:.3g} in nine scenes of ten; {best} errs least: "
+        f"{_figures(known[best])}",
         estimates=known,
     )
 
 
-def _reason(fluid: str, known: Mapping[str, Estimate], tolerance: float) -> str:
-    one = known[fluid]
+def _figures(one: Estimate) -> str:
+    """Expected error, its bound, and whether the data reach so far."""
     text = (
-        f"{fluid} is expected to err by {one.expected:.2g} in the CG motion, nine in ten below "
-        f"{one.upper:.2g}, within {tolerance:.3g}"
+        f"it is expected to err by {one.expected:.2g} in the CG motion, nine in ten below "
+        f"{one.upper:.2g}"
     )
     if one.outside:
-        text += f" (by the nearest data: {', '.join(one.outside)} lies beyond them)"
+        many = "s" if len(one.outside) == 1 else ""
+        text += f" (by the nearest data: {', '.join(one.outside)} lie{many} beyond them)"
     return text

@@ -12,7 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from coupling.cost import run_cost
+from coupling.cost import run_time
 from coupling.model_errors import Choice, estimates
 from coupling.numbers import Numbers
 from coupling.scene import Scene
@@ -153,9 +153,12 @@ def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> 
 
 
 def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Estimated relative error of the CG motion and wall time [s] of each model for ``scene``."""
+    """Estimated relative error of the CG motion and wall time [s] of each model for ``scene``.
+
+    ``wall_s``: shortest and longest, see ``run_time``.
+    """
     return {
-        name: {**asdict(error), "wall_s": run_cost(scene, name)}
+        name: {**asdict(error), "wall_s": list(run_time(scene, name))}
         for name, error in estimates(scene).items()
     }
 
@@ -185,11 +188,24 @@ def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
     rows = [(text, figure(values[key])) for key, text in names.items()]
     print_table(scene.title, ("number", "value"), rows)
     expected = [
-        (name, figure(row["expected"], 2), figure(row["upper"], 2), f"{row['wall_s']:.0f}")
+        (
+            name,
+            figure(row["expected"], 2),
+            figure(row["upper"], 2),
+            ", ".join(row["outside"]) or "-",
+            " to ".join(f"{seconds:.{int(seconds < 10.0)}f}" for seconds in row["wall_s"]),
+        )
         for name, row in model_estimates(scene).items()
     ]
-    heads = ("fluid model", "error of the CG motion", "nine in ten below", "wall time [s]")
+    heads = (
+        "fluid model", "error of the CG motion", "nine in ten below", "beyond the data",
+        "wall time [s]",
+    )  # fmt: skip
     print_table("estimates", heads, expected)
+    print(
+        "Wall times are those of one free core as fast as this machine is now; where others "
+        "compute too, or the rubber slams often, they are longer."
+    )
     left_out = ", which inextensibility leaves out" if scene.diaphragm.inextensible else ""
     print(
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "

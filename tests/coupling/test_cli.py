@@ -291,6 +291,8 @@ def test_check_advises_a_model(case: Path):
     hydrostatic = values["models"]["hydrostatic"]
     assert hydrostatic["expected"] < hydrostatic["upper"]
     assert 0.5 * error < hydrostatic["expected"] < 2.0 * error
+    shortest, longest = values["models"]["hydrostatic"]["wall_s"]
+    assert longest == pytest.approx(4.0 * shortest)  # a factor of two either way
     assert values["models"]["openfoam"]["wall_s"] > values["models"]["hydrostatic"]["wall_s"]
     assert values["numbers"]["bond"] == pytest.approx(997 * 9.81 * 0.4445**2 / 0.073)
 
@@ -356,3 +358,13 @@ def test_every_verb_has_its_help():
     for verb in ("run", "resume", "study", "report", "check", "verify", "info"):
         assert verb in listed
         assert edt(verb, "--help").exit_code == 0
+
+
+def test_check_says_in_words_what_lies_beyond_the_data(case: Path):
+    """f/f1 and a/g of the data end far below these."""
+    result = edt("check", case, "--set", "motion.amplitude=100.0", "--set", "model.tolerance=1e-6")
+    assert result.exit_code == 0
+    assert "beyond the data" in result.stdout
+    assert "a/g" in result.stdout
+    assert "is taken" not in result.stdout
+    assert "no model keeps 1e-06 in nine scenes of ten" in " ".join(result.stdout.split())
