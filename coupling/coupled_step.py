@@ -107,7 +107,7 @@ class CoupledStep:
             residuals.append(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
             clock = perf_counter()
-            self._residual = relative
+            self._last, self._residual = (x, image - x), relative
             if relative <= self.convergence.tolerance or iteration == self.max_iterations:
                 return
             since = residuals[made:]
@@ -165,7 +165,8 @@ class CoupledStep:
 
     def accept(self) -> None:
         """Commit the last attempt."""
-        self.scheme.accept_step()
+        x, residual = self._last
+        self.scheme.accept_step(x.ravel(), residual.ravel())
         self._parts.append((self._residual, self.problem.accept_step()))
 
     def told(self) -> StepOutcome:

@@ -257,8 +257,8 @@ class Scheme(Protocol):
     def update(self, x: Array, residual: Array) -> Array:
         """The next x (k,) from x (k,) and the residual S(F(x)) - x (k,)."""
 
-    def accept_step(self) -> None:
-        """Keep what later steps may reuse."""
+    def accept_step(self, x: Array, residual: Array) -> None:
+        """Keep what later steps may reuse; the step ends at x (k,) with this residual (k,)."""
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""

@@ -20,7 +20,7 @@ class FixedPoint:
         """The next x (k,) from x (k,) and its residual (k,)."""
         return x + self.relaxation * residual
 
-    def accept_step(self) -> None:
+    def accept_step(self, x: Array, residual: Array) -> None:
         """Nothing is kept between steps."""
 
     def save(self) -> dict[str, Array]:

@@ -35,11 +35,7 @@ class IqnIls:
 
     def update(self, x: Array, residual: Array) -> Array:
         """The next x (k,) from x (k,) and its residual (k,)."""
-        image = x + residual
-        if self._last is not None:
-            self._v.insert(0, residual - self._last[0])
-            self._w.insert(0, image - self._last[1])
-        self._last = (residual, image)
+        image = self._add_column(x, residual)
         v = np.array(self._v + [c for step in self._steps for c in step[0]]).T
         if v.size == 0:
             return x + self.relaxation * residual
@@ -65,8 +61,18 @@ class IqnIls:
                 basis = np.column_stack([basis, rest / size])
         return keep
 
-    def accept_step(self) -> None:
-        """Keep this step's columns for the next ``reuse`` steps."""
+    def _add_column(self, x: Array, residual: Array) -> Array:
+        """Take in what has changed since the iterate before; the image x~ (k,) of x (k,)."""
+        image = x + residual
+        if self._last is not None:
+            self._v.insert(0, residual - self._last[0])
+            self._w.insert(0, image - self._last[1])
+        self._last = (residual, image)
+        return image
+
+    def accept_step(self, x: Array, residual: Array) -> None:
+        """Keep this step's columns for the next ``reuse`` steps, that of its end included."""
+        self._add_column(x, residual)
         if self.reuse and self._v:
             self._steps.insert(0, (np.array(self._v), np.array(self._w)))
             del self._steps[self.reuse :]

@@ -19,6 +19,11 @@ def iterate(scheme, matrix, offset, x, count, tolerance=0.0):
     return np.array(norms), x
 
 
+def end_step(scheme, matrix, offset, x):
+    """Let the step of x = matrix x + offset end at ``x``."""
+    scheme.accept_step(x, matrix @ x + offset - x)
+
+
 def added_mass_problem(ratio):
     """One mode whose liquid is ``ratio`` times as heavy as the wall: S(F(x)) = -ratio x + 1."""
     return np.array([[-ratio]]), np.array([1.0])
@@ -85,12 +90,25 @@ def test_iqn_ils_reuses_former_steps():
     dimension = 6
     matrix, offset = random_problem(dimension)
     scheme = IqnIls(0.1, 4)
-    iterate(scheme, matrix, offset, np.zeros(dimension), 20, 1e-9)
-    scheme.accept_step()
+    _, x = iterate(scheme, matrix, offset, np.zeros(dimension), 20, 1e-9)
+    end_step(scheme, matrix, offset, x)
     norms, _ = iterate(scheme, matrix, 2 * offset, np.zeros(dimension), 20, 1e-9)
     assert len(norms) <= 3  # the Jacobian is known: one update, but for rounding
     fresh, _ = iterate(IqnIls(0.1, 0), matrix, 2 * offset, np.zeros(dimension), 20, 1e-9)
     assert len(fresh) > 4
+
+
+def test_iqn_ils_keeps_the_pair_that_converges_a_step():
+    # A scalar problem is solved by the second update's residual: the step's only difference of
+    # residuals is the one that its last iterate makes, and the next step needs no other.
+    scheme = IqnIls(0.1, 1)
+    problem = added_mass_problem(9.0)
+    scheme.begin_step()
+    x = scheme.update(np.zeros(1), problem[1])  # 0.1, the solution
+    end_step(scheme, *problem, x)
+    assert len(scheme.save()) == 2
+    norms, _ = iterate(scheme, problem[0], 2 * problem[1], np.zeros(1), 3, 1e-12)
+    assert len(norms) == 2
 
 
 def test_iqn_ils_drops_columns_that_depend_on_newer_ones():
@@ -102,8 +120,9 @@ def test_iqn_ils_drops_columns_that_depend_on_newer_ones():
 def test_iqn_ils_forgets_steps_beyond_its_reuse():
     scheme = IqnIls(0.1, 2)
     for seed in range(4):
-        iterate(scheme, *random_problem(3, seed), np.zeros(3), 4)
-        scheme.accept_step()
+        problem = random_problem(3, seed)
+        _, x = iterate(scheme, *problem, np.zeros(3), 4)
+        end_step(scheme, *problem, x)
     assert len(scheme.save()) == 4  # V and W of two steps
 
 
@@ -111,8 +130,8 @@ def test_iqn_ils_forgets_steps_beyond_its_reuse():
 def test_restored_scheme_goes_on_bit_for_bit(name):
     matrix, offset = random_problem(5)
     one, _ = scheme_named(name, relaxation=0.1, reuse=3)
-    iterate(one, matrix, offset, np.zeros(5), 5)
-    one.accept_step()
+    _, x = iterate(one, matrix, offset, np.zeros(5), 5)
+    end_step(one, matrix, offset, x)
     two, _ = scheme_named(name, relaxation=0.1, reuse=3)
     two.restore({key: value.copy() for key, value in one.save().items()})
     a = iterate(one, matrix, 3 * offset, np.ones(5), 5)
