@@ -148,19 +148,21 @@ def share(one, other, moved):
     return float(np.linalg.norm(one - other) / np.linalg.norm(moved))
 
 
-@pytest.mark.parametrize("step", [0.005, 0.0025])
-def test_all_schemes_converge_to_the_same_motion(tmp_path, step):
+@pytest.mark.parametrize(
+    ("step", "others"), [(0.005, ["iqn-ils", "aitken"]), (0.0025, ["iqn-ils"])]
+)
+def test_all_schemes_converge_to_the_same_motion(tmp_path, step, others):
     # The closure of the volume, taken for a motion, was an acceleration of some m/s^2, which
     # added-mass alone put on the liquid's inertia: its motion differed the more the shorter the
     # step. What differs now is the closure's second order, and what the cloth's inner iteration
     # leaves, with and without the liquid's inertia.
     found = {}
-    for scheme in ("added-mass", "iqn-ils", "aitken"):
+    for scheme in ("added-mass", *others):
         scene = SCENE | {
             "cloth": {"resolution": 8, "iterations": 240},
             "openfoam": {"cells": 176},
             "coupling": {"scheme": scheme, "tolerance": 1e-7, "max_iterations": 200},
-            "time": SCENE["time"] | {"step": step, "duration": 0.015},
+            "time": SCENE["time"] | {"step": step},
         }
         summary = run(scene_from(scene), tmp_path / scheme)
         assert (summary["status"], summary["coupling"]["unconverged_steps"]) == ("completed", 0)
