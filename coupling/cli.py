@@ -27,6 +27,7 @@ from coupling.model_errors import choose
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
+from coupling.record_summary import record_summary
 from coupling.run_folder import (
     check_reportable,
     check_resumable,
@@ -183,12 +184,13 @@ def check(
     """Check a scene; say how good each fluid model is for it and what it costs."""
     scene = load_scene(scene_path, changes or ())
     need_openfoam(scene, [scene.model.fluid], start=False)
-    numbers, choice = numbers_of(scene), choose(scene)
+    numbers, choice, record = numbers_of(scene), choose(scene), record_summary(scene)
     if as_json:
         print_json(
             {
                 "title": scene.title,
                 "numbers": numbers.to_dict(),
+                "record": None if record is None else record.to_dict(),
                 "models": model_estimates(scene),
                 "advised": choice.fluid,
                 "reason": choice.reason,

@@ -20,6 +20,7 @@ from coupling.mends import with_mend
 from coupling.metrics.summary import summarise
 from coupling.participants import Participants
 from coupling.ports import LiquidSample, RunFailed
+from coupling.record_summary import record_summary
 from coupling.results import ResultsWriter, read_results
 from coupling.run_record import RunStatistics
 from coupling.scene import SCENE_FILE, Scene, load_scene, write_scene
@@ -72,6 +73,11 @@ class _Run:
         return self._guarded(self._begin)
 
     def _begin(self) -> None:
+        record = record_summary(self.scene)
+        if record is not None:
+            _log.info("%s.", record.says)
+            for warning in record.warnings:
+                _log.warning("%s", warning)
         if self.burst is not None:
             _log.warning("%s The run goes on with a sheet that cannot.", self.burst)
         self.progress("settle", 0.0, self.scene.time.settle, "the diaphragm sinks to its level")

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coupling.motion_table import read_motion_table
 from coupling.scene_numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene_sections import Motion
-from coupling.table_file import TableError
+from coupling.table_text import TableError
 from coupling.wrinkles import (
     CELLS_A_WAVELENGTH,
     grid_spacing,
@@ -123,20 +121,20 @@ def _check_motion(scene: Scene) -> list[str]:
             "Give the direction of the shaking, such as [1.0, 0.0, 0.0]."
         )
     if motion.kind == "table" and motion.file is not None:
-        problems += _check_table(Path(motion.file), scene.time.step * scene.time.steps)
+        problems += _check_table(motion, scene.time.step * scene.time.steps)
     return problems
 
 
-def _check_table(path: Path, end: float) -> list[str]:
+def _check_table(motion: Motion, end: float) -> list[str]:
     try:
-        table = read_motion_table(path)
+        table = motion.record
     except TableError as error:
         return [f"motion.file: {error}"]
     first, last = float(table.time[0]), float(table.time[-1])
     if first > 0.0 or last < end * (1.0 - 1e-9):
         return [
-            f"motion.file: {path}: must cover 0 to {end:g} s, covers {first:g} to {last:g} s. "
-            "Shorten time.duration, or give a longer table that starts at 0."
+            f"motion.file: {motion.file}: must cover 0 to {end:g} s, covers {first:g} to "
+            f"{last:g} s. Shorten time.duration, or give a longer table that starts at 0."
         ]
     return []
 

@@ -5,6 +5,7 @@ Descriptions complete the sentence "Give the ...", as in ``scene_sections``.
 
 from __future__ import annotations
 
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from pydantic_core import PydanticCustomError
 from cloth.material import ELASTOMERS
 from cloth.material import Diaphragm as Sheet
 from coupling.scene_sections import Section
-from coupling.table_file import TableError
+from coupling.table_text import TableError
 from coupling.thickness_map import ThicknessMap, read_thickness_map
 
 _MATERIAL: dict[str, Any] = {"instead": 'a known material such as material = "AF-E-332"'}
@@ -112,12 +113,9 @@ class Diaphragm(Section):
             given = named_material(given["material"]) | given
         return given
 
-    @property
+    @cached_property
     def moulded_thickness(self) -> ThicknessMap | None:
-        """The map, None where the rubber is of one thickness.
-
-        ``TableError`` if the file has changed since the scene was read and is now wrong.
-        """
+        """The map, None where the rubber is of one thickness; read once."""
         return None if self.thickness_map is None else read_thickness_map(Path(self.thickness_map))
 
     @property

@@ -6,6 +6,8 @@ Immutable; SI throughout; a key that is not named here is refused.
 
 from __future__ import annotations
 
+from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,6 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 from coupling.liquids import LIQUIDS
+from coupling.motion_table import MotionTable, read_motion_table
 from coupling.ports import Array
 
 LADDER = ("datum", "hydrostatic", "potential", "openfoam")  # fluid models, the simplest first
@@ -103,7 +106,8 @@ class Motion(Section):
     direction: Vector = Field(default=(1.0, 0.0, 0.0), description="direction of the shaking")
     ramp: float = Field(default=1.0, ge=0, description="smooth start in periods, 0 for none")
     file: str | None = Field(
-        default=None, description="CSV file with columns time, ax, ay, az (s, m/s^2)"
+        default=None,
+        description="CSV file with columns time, ax, ay, az (s, m/s^2, or as its header says)",
     )
 
     @model_validator(mode="before")
@@ -126,6 +130,13 @@ class Motion(Section):
         rest = {key: value for key, value in given.items() if key != "acceleration"}
         omega = 2.0 * np.pi * frequency
         return rest | {"amplitude": float(acceleration / omega**2) if omega else 0.0}
+
+    @cached_property
+    def record(self) -> MotionTable:
+        """The accelerations of a ``table``, read once. Raises ``TableError``."""
+        assert self.kind == "table"
+        assert self.file is not None
+        return read_motion_table(Path(self.file))
 
     @property
     def unit_direction(self) -> Array:

@@ -15,6 +15,7 @@ from rich.table import Table
 from coupling.cost import run_time
 from coupling.model_errors import Choice, estimates
 from coupling.numbers import Numbers
+from coupling.record_summary import record_summary
 from coupling.scene import Scene
 from coupling.strength import burst_warning
 from coupling.verify import VerifyResult
@@ -211,6 +212,11 @@ def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "
         f"is taut{left_out}."
     )
+    record = record_summary(scene)
+    if record is not None:
+        print(f"{record.says}.")
+        for warning in record.warnings:
+            print(f"warning: {warning}")
     burst = burst_warning(scene)
     if burst is not None:
         print(burst)

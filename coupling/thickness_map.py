@@ -6,16 +6,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 
 from coupling.ports import Array, Ints
-from coupling.table_file import Table, TableError, read_table
+from coupling.table_columns import ANGLE, LENGTH, Column
+from coupling.table_file import Table, read_table
+from coupling.table_text import TableError
 
 RIM = 90.0  # degrees from the pole
 _SLACK = 1e-9  # degrees, of angles that were computed
+_COLUMNS = (
+    Column(name="polar", pattern=r"polar(angle)?|theta", unit="degrees", units=ANGLE),
+    Column(name="azimuth", pattern=r"azimuth(al)?(angle)?|phi", unit="degrees", units=ANGLE),
+    Column(name="thickness", pattern=r"t|thickness", unit="m", units=LENGTH),
+)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ThicknessMap:
     """Bilinear between a grid of angles on the moulded hemisphere, closed round the pole's axis.
 
@@ -37,6 +43,8 @@ class ThicknessMap:
         polar = np.clip(np.arctan2(np.hypot(x, y), z), self.polar[0], self.polar[-1])
         if len(self.azimuth) == 1:
             return np.asarray(np.interp(polar, self.polar, self.thickness[:, 0]))
+        from scipy.interpolate import RegularGridInterpolator  # takes long, few scenes need it
+
         first = self.azimuth[0]
         azimuth = first + np.mod(np.arctan2(y, x) - first, 2.0 * np.pi)
         closed = np.append(self.azimuth, first + 2.0 * np.pi)
@@ -60,10 +68,11 @@ class ThicknessMap:
 def read_thickness_map(path: Path) -> ThicknessMap:
     """Read a map with the columns polar, azimuth [degrees], thickness [m], in any order of lines.
 
-    Raises ``TableError`` for a file that is no table of three columns, for a line out of range,
-    and unless every polar angle, 0 and 90 among them, stands once with every azimuth.
+    Laid out as ``read_table`` says; a header may name other units. Raises ``TableError`` as that,
+    for a line out of range, and unless every polar angle, 0 and 90 among them, stands once with
+    every azimuth.
     """
-    table = read_table(path, ("polar", "azimuth", "thickness"), "degrees, degrees, m")
+    table = read_table(path, _COLUMNS)
     _check_lines(table)
     polar, row = np.unique(table.values[:, 0], return_inverse=True)
     azimuth, column = np.unique(table.values[:, 1], return_inverse=True)

@@ -8,7 +8,7 @@ import pytest
 from coupling.motion import SineMotion, TableMotion, motion_of, smooth_ramp
 from coupling.motion_table import MotionTable, read_motion_table
 from coupling.scene import scene_from
-from coupling.table_file import TableError
+from coupling.table_text import TableError
 
 MINIMAL = {
     "tank": {"radius": 0.4445},
@@ -123,8 +123,8 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
     file = tmp_path / "table.csv"
     with pytest.raises(TableError, match=r"table\.csv: cannot be read: No such file"):
         read_motion_table(file)
-    file.write_bytes(b"0,0,0,0\n\xff\xfe")
-    with pytest.raises(TableError, match=r"is not a text file\. Give"):
+    file.write_bytes(b"0,0,0,0\n\0\xff\xfe")
+    with pytest.raises(TableError, match=r"is not a text file\. Export"):
         read_motion_table(file)
 
 
@@ -136,7 +136,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
         ("0,0,0,0\n1,0,nan,0\n", "line 2: must hold four finite numbers"),
         ("0,0,0,0\n0,1,1,1\n", "line 2: time must increase, got 0 after 0"),
         ("time,ax,ay,az\n", "holds 0 lines of numbers"),
-        ("time,ax,ay,az\nm/s,x,x,x\n0,0,0,0\n", "line 2"),
+        ("time,ax,ay,az\nm/s,x,x,x\n0,0,0,0\n1,0,0,0\n", "line 2: the unit 'm/s' of time"),
     ],
 )
 def test_a_wrong_table_is_refused_with_its_line(tmp_path: Path, text: str, says: str):

@@ -8,7 +8,7 @@ import pytest
 from coupling.numbers import numbers_of
 from coupling.scene import SceneError, load_scene, same_content, with_overrides, write_scene
 from coupling.structure import diaphragm_of
-from coupling.table_file import TableError
+from coupling.table_text import TableError
 from coupling.thickness_map import ThicknessMap, read_thickness_map
 
 RADIUS = 0.4445
