@@ -221,6 +221,11 @@ class Cloth:
         m.previous_position, m.previous_dt = m.position, np.zeros(1)
 
     @property
+    def previous_step(self) -> float:
+        """Length [s] of the step that led to the committed state; 0 where the next is Euler's."""
+        return float(self._memory.previous_dt[0])
+
+    @property
     def state(self) -> ClothState:
         """The committed state."""
         m = self._memory

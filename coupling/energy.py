@@ -8,8 +8,8 @@ liquid's centre of gravity, exactly. So
 
 holds for liquid and sheet together whatever they do to each other, and the flow's share of what is
 dissipated is -(work of p* on the sheet) - d(kinetic energy of the liquid). Works are integrated by
-the trapezoidal rule: where nothing dissipates, what is found is the time step's error, of second
-order.
+the trapezoidal rule, a record's by its mean acceleration over each step: where nothing dissipates,
+what is found is the time step's error, of second order.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from cloth.energy import SheetEnergy, SheetLosses
-from coupling.ports import Array, DiaphragmState, HydrostaticLoad, LiquidSample, RunFailed
+from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
 from coupling.scene import Scene
 from coupling.structure import Diaphragm, liquid_cg
 
@@ -31,7 +31,8 @@ from coupling.structure import Diaphragm, liquid_cg
 class Instant:
     """What the sums need to know of an instant.
 
-    ``acceleration`` (3,) [m/s^2] of the tank; ``moment`` (2, 3) [kg m], mass times place of liquid
+    ``acceleration`` (3,) [m/s^2] of the tank, which works over the step that ends here (a motion's
+    ``working_acceleration``); ``moment`` (2, 3) [kg m], mass times place of liquid
     and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; powers [W] that are taken from the
     sheet by ``bending_damping`` and ``drag``, means over the step that ends here, and ``layer``,
     what laminar boundary layers would take.
@@ -79,7 +80,7 @@ class EnergyBalance:
         before, self._now, sums = self._now, instant, self._sums
         sums["pressure_work"] += pressure_work
         moved = (instant.moment - before.moment).sum(axis=0)
-        sums["tank_work"] -= 0.5 * float((before.acceleration + instant.acceleration) @ moved)
+        sums["tank_work"] -= float(instant.acceleration @ moved)
         swept = instant.volume - before.volume
         sums["datum_work"] += 0.5 * (before.datum + instant.datum) * swept
         sums["layer"] += 0.5 * dt * (before.layer + instant.layer)
@@ -148,19 +149,21 @@ def _value(array: Array) -> Any:
 def instant_of(
     cloth: Diaphragm,
     state: DiaphragmState,
-    load: HydrostaticLoad,
     liquid: LiquidSample | None,
     scene: Scene,
     losses: SheetLosses,
+    *,
+    acceleration: Array,
 ) -> Instant:
-    """The instant of a ``cloth`` in ``state`` under ``load``, with a ``liquid`` that flows.
+    """The instant of a ``cloth`` in ``state``, with a ``liquid`` that flows.
 
-    ``losses``: the cloth's, means over the step that ends here.
+    ``losses``: the cloth's, means over the step that ends here; ``acceleration`` (3,) [m/s^2] of
+    the tank, as ``Instant`` has it.
     """
     cg = liquid_cg(state.position, cloth.triangles, scene.tank.radius, state.volume)
     return Instant(
-        acceleration=np.array(scene.gravity) - load.body_force,
-        moment=np.array([load.density * state.volume * cg, cloth.mass @ state.position]),
+        acceleration=acceleration,
+        moment=np.array([scene.liquid.density * state.volume * cg, cloth.mass @ state.position]),
         volume=state.volume,
         datum=state.datum_pressure,
         bending_damping=losses.bending,

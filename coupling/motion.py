@@ -5,13 +5,12 @@ Time 0 is the start of the shaking; the tank is at rest before. The tank does no
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import make_interp_spline
 
-from coupling.motion_table import MotionTable, read_motion_table
+from coupling.motion_table import MotionTable
 from coupling.ports import Array
 from coupling.scene import Scene
 
@@ -28,6 +27,15 @@ class TankMotion(Protocol):
     def acceleration(self, time: float) -> Array:
         """[m/s^2]."""
 
+    def step_acceleration(self, start: float, end: float, previous: float) -> Array:
+        """The one that drives a time step from ``start`` to ``end`` [s], solved at its end.
+
+        ``previous`` [s]: length of the step before, 0 where there was none.
+        """
+
+    def working_acceleration(self, start: float, end: float) -> Array:
+        """The one whose product with what moves in the step is the tank's work."""
+
 
 class RestMotion:
     """A tank that stands still."""
@@ -41,6 +49,14 @@ class RestMotion:
         return np.zeros(3)
 
     def acceleration(self, time: float) -> Array:
+        """Zero [m/s^2]."""
+        return np.zeros(3)
+
+    def step_acceleration(self, start: float, end: float, previous: float) -> Array:
+        """Zero [m/s^2]."""
+        return np.zeros(3)
+
+    def working_acceleration(self, start: float, end: float) -> Array:
         """Zero [m/s^2]."""
         return np.zeros(3)
 
@@ -97,18 +113,27 @@ class SineMotion:
         w, angle = self._omega, self._omega * time
         return self._along((s2 - s * w**2) * np.sin(angle) + 2.0 * s1 * w * np.cos(angle))
 
+    def step_acceleration(self, start: float, end: float, previous: float) -> Array:
+        """At the end [m/s^2], where the step is solved: of second order, as that is."""
+        return self.acceleration(end)
+
+    def working_acceleration(self, start: float, end: float) -> Array:
+        """Mean of both ends [m/s^2]: the trapezoidal rule."""
+        return 0.5 * (self.acceleration(start) + self.acceleration(end))
+
 
 class TableMotion:
-    """Tabulated accelerations, monotone cubic (PCHIP) between them, integrated exactly.
+    """Tabulated accelerations, linear between them and integrated exactly.
 
     Displacement and velocity are 0 at time 0, so a table with a mean acceleration drifts away:
     what the liquid feels depends on the acceleration alone. Times outside the table extrapolate.
     """
 
     def __init__(self, table: MotionTable) -> None:
-        self._acceleration = PchipInterpolator(table.time, table.acceleration, axis=0)
-        self._velocity = self._acceleration.antiderivative(1)
-        self._displacement = self._acceleration.antiderivative(2)
+        linear = make_interp_spline(table.time, table.acceleration, k=1, axis=0)
+        self._acceleration = linear
+        self._velocity = linear.antiderivative(1)
+        self._displacement = linear.antiderivative(2)
 
     def displacement(self, time: float) -> Array:
         """Second integral from time 0 [m]."""
@@ -123,16 +148,33 @@ class TableMotion:
         """Interpolated [m/s^2]."""
         return np.asarray(self._acceleration(time), dtype=np.float64)
 
+    def step_acceleration(self, start: float, end: float, previous: float) -> Array:
+        """Mean over the step, carried from its middle to its end [m/s^2].
+
+        Carried along the line through the mean over the step before. This is the difference of the
+        tank's velocity, the integral of the table, by the steps' own implicit formula
+        (``cloth.inertia``): a body that nothing holds changes its velocity in every step by the
+        integral over it, exactly. A sample would take what is faster than the steps for slow motion
+        or miss it, and the mean alone, used at the step's end, would be late by half a step.
+        """
+        step = end - start
+        mean = self.working_acceleration(start, end)
+        if previous <= 0.0:
+            return mean
+        before = self.working_acceleration(start - previous, start)
+        return mean + step / (step + previous) * (mean - before)
+
+    def working_acceleration(self, start: float, end: float) -> Array:
+        """Mean over the step [m/s^2]: the tank's change of velocity over the step's length."""
+        change = self._velocity(end) - self._velocity(start)
+        return np.asarray(change / (end - start), dtype=np.float64)
+
 
 def motion_of(scene: Scene) -> TankMotion:
-    """The tank's motion that a scene describes.
-
-    ``TableError`` if the table has changed since the scene was read and is now wrong.
-    """
+    """The tank's motion that a scene describes."""
     motion = scene.motion
     if motion.kind == "table":
-        assert motion.file is not None
-        return TableMotion(read_motion_table(Path(motion.file)))
+        return TableMotion(motion.record)
     if motion.kind == "sine":
         assert motion.frequency is not None
         assert motion.amplitude is not None

@@ -40,6 +40,7 @@ class Participants:
         self.scene, self.folder = scene, folder
         self.motion = motion_of(scene)
         self.model = load_model(scene)
+        self._load = self.model.load(np.asarray(scene.gravity))  # of the last step; at rest
         self.cloth = diaphragm_of(scene)
         self.tally = Tally(scene, self.cloth.thickness)
         self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
@@ -49,7 +50,7 @@ class Participants:
         """Bring the diaphragm to rest at its level. Raises ``RunFailed`` where it finds none."""
         with self._timed("structure"):
             self.tally.statistics.settle_change = settle_diaphragm(
-                self.cloth, self.scene, self.load(0.0, at_rest=True)
+                self.cloth, self.scene, self._load
             )
 
     def start(self, record: Record) -> None:
@@ -173,15 +174,19 @@ class Participants:
         self.tally.structure(after, self.cloth.state, converged=self._converged, steps=parts)
         return outcome.sample, outcome.iterations, outcome.residual
 
-    def load(self, time: float, *, at_rest: bool = False) -> HydrostaticLoad:
-        """The liquid's load at ``time`` [s]; ``at_rest``: while the tank does not move."""
-        shaking = np.zeros(3) if at_rest else self.motion.acceleration(time)
-        return self.model.load(np.asarray(self.scene.gravity) - shaking)
+    def load(self, start: float, end: float) -> HydrostaticLoad:
+        """The liquid's load in a step from ``start`` to ``end`` [s], after the committed state."""
+        shaking = self.motion.step_acceleration(start, end, self.cloth.previous_step)
+        self._load = self.model.load(np.asarray(self.scene.gravity) - shaking)
+        return self._load
 
     def instant(self, time: float, liquid: LiquidSample | None) -> Instant:
         """What the energy balance needs to know of the committed state at ``time`` [s]."""
+        shaking = np.zeros(3)
+        if time > 0.0:
+            shaking = self.motion.working_acceleration(time - self.scene.time.step, time)
         return instant_of(
-            self.cloth, self.cloth.state, self.load(time), liquid, self.scene, self._losses()
+            self.cloth, self.cloth.state, liquid, self.scene, self._losses(), acceleration=shaking
         )
 
     def sample(
@@ -209,7 +214,7 @@ class Participants:
                 pressures = at_nodes(liquid, self.mapping.to_nodes)
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
-            load=self.load(time, at_rest=time == 0.0), gravity=np.asarray(self.scene.gravity),
+            load=self._load, gravity=np.asarray(self.scene.gravity),
             displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
             iterations=iterations, residual=residual, metrics=metrics,
         )  # fmt: skip

@@ -40,6 +40,10 @@ class Diaphragm(Structure, Protocol):
     held: bool  # no node ever moves
 
     @property
+    def previous_step(self) -> float:
+        """Length [s] of the step that led to the committed state; 0 where the next is Euler's."""
+
+    @property
     def iterations(self) -> int:
         """Inner iterations of the last solve."""
 
@@ -165,19 +169,19 @@ def advance(
     step: Step,
     now: float,
     dt: float,
-    load: Callable[[float], HydrostaticLoad],
+    load: Callable[[float, float], HydrostaticLoad],
     *,
     halvings: int = HALVINGS,
     taken: Callable[[float], None] = lambda _: None,
 ) -> int:
-    """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(time)``; parts that it took.
+    """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(start, end)``; parts it took.
 
     A step that does not converge is taken again as two of half its length, ``halvings`` times at
     most; the last is accepted as it is, unless it fails. Raises its ArithmeticError or
     ``StepFailed`` then. ``taken`` is told the length [s] of every part, once accepted.
     """
     try:
-        good = step.attempt(now, dt, load(now + dt)) or halvings == 0
+        good = step.attempt(now, dt, load(now, now + dt)) or halvings == 0
     except (ArithmeticError, StepFailed) as failure:
         if halvings == 0:
             raise

@@ -46,8 +46,10 @@ def balance(steps: int, duration: float, *, damping: float = 0.0) -> dict[str, f
     dt, found = duration / steps, EnergyBalance(DOWN)
     found.start(*swinging(0.0, 40.0, damping))
     for k in range(1, steps + 1):
+        before, _ = swinging((k - 1) * dt, 40.0, damping)
         instant, stored = swinging(k * dt, 40.0, damping)
-        found.add(dt, instant, 0.0)
+        both = 0.5 * (before.acceleration + instant.acceleration)
+        found.add(dt, replace(instant, acceleration=both), 0.0)
     return found.metrics(stored)
 
 
@@ -127,7 +129,7 @@ def chain_balance(step: float, *, shaken: bool) -> dict[str, float]:
     def instant(time: float) -> Instant:
         losses = cloth.losses()
         return Instant(
-            acceleration=shaking(time),
+            acceleration=0.5 * (shaking(time - step) + shaking(time)),
             moment=np.array([[0.0, 0.0, 0.0], cloth.mass @ cloth.state.position]),
             volume=1.0,
             datum=0.0,

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cloth.inertia import kinematics
 from coupling.motion import SineMotion, TableMotion, motion_of, smooth_ramp
 from coupling.motion_table import MotionTable, read_motion_table
 from coupling.scene import scene_from
@@ -84,22 +85,60 @@ def test_table_integrates_its_acceleration_exactly():
     table = MotionTable(time=time, acceleration=np.outer(time, slope) + start)
     motion = TableMotion(table)
     t = 1.3
-    # PCHIP reproduces straight lines: velocity a t^2/2 + b t, displacement a t^3/6 + b t^2/2.
+    # A straight line: velocity a t^2/2 + b t, displacement a t^3/6 + b t^2/2.
     assert motion.acceleration(t) == pytest.approx([2 * t, 3.0, -t], rel=1e-13)
     assert motion.velocity(t) == pytest.approx([t**2, 3 * t, -(t**2) / 2], rel=1e-13)
     assert motion.displacement(t) == pytest.approx([t**3 / 3, 1.5 * t**2, -(t**3) / 6], rel=1e-12)
     assert not motion.displacement(0.0).any()
 
 
-@pytest.mark.parametrize("pair", [("displacement", "velocity"), ("velocity", "acceleration")])
-def test_table_derivatives_agree_with_differences(pair):
+def test_table_derivatives_agree_with_differences():
     time = np.linspace(0.0, 2.0, 41)
     wave = np.sin(5.0 * time)
     motion = TableMotion(MotionTable(time=time, acceleration=np.column_stack([wave] * 3)))
-    errors = difference_errors(getattr(motion, pair[0]), getattr(motion, pair[1]), 1.025)
+    errors = difference_errors(motion.displacement, motion.velocity, 1.025)
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    # Between two knots (0.025 s away) everything is a polynomial: second order exactly.
+    # Between two knots (0.025 s away) the displacement is a cubic: second order exactly.
     assert orders == pytest.approx([2.0, 2.0], abs=0.05)
+    # The velocity is quadratic there: exact up to rounding.
+    assert max(difference_errors(motion.velocity, motion.acceleration, 1.025)) < 1e-11
+
+
+def random_table() -> MotionTable:
+    """Rough, at uneven times."""
+    seed = np.random.default_rng(7)
+    time = np.append(0.0, np.cumsum(seed.uniform(0.0005, 0.004, 400)))
+    return MotionTable(time=time, acceleration=seed.normal(0.0, 20.0, (401, 3)))
+
+
+def test_a_step_changes_the_velocity_of_a_free_body_by_the_integral_of_the_table():
+    """Whatever the steps: whole ones, halved ones, and the first, which is Euler's."""
+    motion = TableMotion(random_table())
+    x = v = x0 = v0 = np.zeros(3)
+    now, previous = 0.0, 0.0
+    for dt in [0.01] * 5 + [0.005, 0.0025, 0.0025, 0.01] + [0.005] * 6:
+        a = motion.step_acceleration(now, now + dt, previous)
+        kin = kinematics(dt, previous, x, v, x0, v0)
+        x0, v0 = x, v
+        v = kin.velocity_anchor + kin.b * a
+        x = kin.position_anchor + kin.b * v
+        now, previous = now + dt, dt
+        np.testing.assert_allclose(v, motion.velocity(now), rtol=1e-9, atol=1e-12)
+
+
+def test_a_table_of_a_sine_drives_a_step_as_the_sine_does_to_second_order():
+    """The mean over a step, used at its end, would be late by half a step: of first order."""
+    exact, time = sine(), np.linspace(0.0, 3.0, 6001)
+    motion = TableMotion(
+        MotionTable(time=time, acceleration=np.array([exact.acceleration(t) for t in time]))
+    )
+    errors = []
+    for dt in (0.02, 0.01, 0.005):
+        ends = np.arange(2, round(2.5 / dt)) * dt
+        found = np.array([motion.step_acceleration(end - dt, end, dt) for end in ends])
+        wanted = np.array([exact.step_acceleration(end - dt, end, dt) for end in ends])
+        errors.append(np.abs(found - wanted).max())
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([2.0, 2.0], abs=0.1)
 
 
 def test_table_never_exceeds_its_samples():

@@ -45,8 +45,10 @@ class Run:
             self.cloth, potential_of(scene, self.cloth), radius=scene.tank.radius
         )
 
-    def load(self, time: float):
-        return self.model.load(GRAVITY - self.motion.acceleration(time))
+    def load(self, start: float, end: float):
+        return self.model.load(
+            GRAVITY - self.motion.step_acceleration(start, end, self.cloth.previous_step)
+        )
 
     def go(self, first: int, last: int) -> None:
         dt = self.scene.time.step
