@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from cloth.load import DRY, WET
-from coupling.foam.mesh import cells_made
+from coupling.foam.mesh import cells_made, half_ball
 from coupling.foam.solver_cache import built_for_any
 from coupling.scene import Scene
 
@@ -66,6 +66,17 @@ def _iteration_cost(scene: Scene) -> float:
 def run_cost(scene: Scene, fluid: str) -> float:
     """Estimated time of the whole run [s], settling (always without a flow) included."""
     return _SETTLING * _iteration_cost(scene) + scene.time.steps * step_cost(scene, fluid)
+
+
+def fields_size(scene: Scene) -> float:
+    """Bytes on disk that ``openfoam.write_fields`` takes: p, U and points at the times of output.
+
+    What belongs to checkpoints, which keep more of a time, and the files' heads are left out.
+    """
+    mesh = half_ball(scene.openfoam.cells)
+    values = mesh.cells + len(mesh.faces) - mesh.inner_faces  # in the cells and on the walls
+    times = -(-scene.time.steps // scene.time.output_every)
+    return 8.0 * times * (4 * values + 3 * len(mesh.points))
 
 
 def run_time(scene: Scene, fluid: str) -> tuple[float, float]:

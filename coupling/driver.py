@@ -137,6 +137,7 @@ class _Run:
         sample = self.sides.sample(time, liquid, iterations, residual, energies)
         clock = perf_counter()
         self.results.append(sample)
+        self.sides.write_fields()
         self.tally.seconds("output", clock)
 
     def _save(self, step: int) -> None:

@@ -219,6 +219,11 @@ class Participants:
             iterations=iterations, residual=residual, metrics=metrics,
         )  # fmt: skip
 
+    def write_fields(self) -> None:
+        """Leave the flow's fields as committed in its folder, where the scene asks for them."""
+        if isinstance(self.step, CoupledStep) and self.scene.openfoam.write_fields:
+            self.flow.write_fields()
+
     def save(self) -> dict[str, dict[str, AnyArray]]:
         """Everything ``restore`` needs to go on bit for bit."""
         saved: dict[str, dict[str, AnyArray]] = {
@@ -235,3 +240,5 @@ class Participants:
         """End a flow's solver."""
         if isinstance(self.step, CoupledStep):
             self.flow.close()
+            if self.scene.openfoam.write_fields:
+                self.tally.statistics.flow_fields_bytes = self.flow.case.size

@@ -47,7 +47,7 @@ class RunStatistics:
 
     Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
     whether the flow's solver stayed alive or was restarted; ``settle_change`` [m]: rms motion that
-    the last pseudo-step of settling left.
+    the last pseudo-step of settling left; ``flow_fields_bytes``: on disk, where asked for.
     """
 
     steps: int = 0
@@ -68,6 +68,7 @@ class RunStatistics:
     halved_steps: int = 0
     speed_max: float | None = None
     dphi_dt_max: float | None = None
+    flow_fields_bytes: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, for the checkpoint."""

@@ -97,6 +97,11 @@ class OpenFoam(Section):
     processors: int = Field(
         default=1, ge=1, le=MOST_PROCESSORS, description="number of processes of the flow solver"
     )
+    write_fields: bool = Field(
+        default=False,
+        description="value true to keep the flow's U [m/s] and p [m^2/s^2], p*/rho beyond "
+        "hydrostatics, in foam/ at the times of output; case.foam opens them in ParaView",
+    )
     timeout: float = Field(default=120.0, gt=0, description="longest wait for one solver call [s]")
 
 

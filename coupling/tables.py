@@ -12,7 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from coupling.cost import run_time
+from coupling.cost import fields_size, run_time
 from coupling.model_errors import Choice, estimates
 from coupling.numbers import Numbers
 from coupling.record_summary import record_summary
@@ -92,6 +92,9 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("wall time [s]", summary.get("wall_s")),
         ("results", str(folder)),
     ]
+    if summary.get("flow_fields_bytes") is not None:
+        size = f"{1e-6 * summary['flow_fields_bytes']:.1f} MB in {folder / 'foam' / 'case.foam'}"
+        rows.append(("flow fields", size))
     if (folder / "report.html").is_file():
         rows.append(("report", str(folder / "report.html")))
     print_table("", ("", "value"), [(name, figure(value)) for name, value in rows])
@@ -207,6 +210,8 @@ def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
         "Wall times are those of one free core as fast as this machine is now; where others "
         "compute too, or the rubber slams often, they are longer."
     )
+    if scene.model.fluid in ("openfoam", "auto") and scene.openfoam.write_fields:
+        print(f"The flow's fields will take about {1e-6 * fields_size(scene):.2g} MB in foam/.")
     left_out = ", which inextensibility leaves out" if scene.diaphragm.inextensible else ""
     print(
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from coupling.fluids.gauge import largest_rate
+from coupling.fluids.flow_sample import flow_sample
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.following import FollowingMesh
 from coupling.foam.geometry import CellGeometry
@@ -22,7 +22,7 @@ from coupling.foam.keepalive import case_of
 from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
 from coupling.foam.rates import FluxRate
-from coupling.foam.wall import WallFlow, cell_distance, wall_flow
+from coupling.foam.wall import cell_distance, wall_flow
 from coupling.ports import (
     AddedMass,
     AnyArray,
@@ -62,6 +62,7 @@ class OpenFoamFlow:
         self._following = FollowingMesh(mesh, radius)
         self.time = 0.0
         self._kept: set[float] = {0.0}
+        self._shown: set[float] = set()  # times whose fields somebody asked for
 
     @property
     def points(self) -> Array:
@@ -190,8 +191,10 @@ class OpenFoamFlow:
         self._moving.accept_step()
         if self._rate is not None:
             self._sliding.accept_step()
-        if self.time not in self._kept:
+        if self.time not in self._kept | self._shown:
             self.case.remove(self.time)
+        elif self.time not in self._kept:
+            self.case.thin(self.time)
         self.time, self._previous_dt = self._end, self.dt
         walls = wall_flow(
             self.mesh, self._following.geometry, self._now, self._velocity,
@@ -200,36 +203,20 @@ class OpenFoamFlow:
         work = 0.5 * float((self._pressure_before + self._face_pressure) @ self._swept)
         self._pressure_before = self._face_pressure
         self._following.accept_step()
-        return self._sample(walls, work)
-
-    def _sample(self, walls: WallFlow, work: float) -> FlowSample:
-        mesh, geometry = self.mesh, self._following.geometry
-        boundary = slice(mesh.inner_faces, None)
-        force = self._boundary_pressure[:, None] * geometry.face_area[boundary]
-        speed = np.linalg.norm(self._velocity, axis=1)
-        wall_speed = speed[mesh.owner[mesh.diaphragm]]
-        rate = self._face_pressure / self.density + 0.5 * wall_speed**2  # -dphi/dt
-        volume = float(geometry.volume.sum())
-        return FlowSample(
-            face_pressure=self._face_pressure,
-            kinetic_pressure=-0.5 * self.density * wall_speed**2,
-            viscous_traction=walls.traction,
-            wall_pressure_force=force.sum(axis=0),
-            wall_pressure_moment=np.cross(geometry.face_centre[boundary], force).sum(axis=0),
-            speed_max=float(speed.max()),
-            dphi_dt_max=largest_rate(
-                rate, np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
-            ),
-            kinetic_energy=0.5 * self.density * float(geometry.volume @ speed**2),
-            wall_slip=walls.slip,
-            pressure_work=work,
-            volume=volume,
+        return flow_sample(
+            self.mesh, self._following.geometry,
+            density=self.density, velocity=self._velocity, walls=walls, pressure_work=work,
+            boundary_pressure=self._boundary_pressure,
             volume_error=abs(self._following.excess(self.points)) / self.volume,
-            liquid_cg=geometry.volume @ geometry.centre / volume,
             continuity_error=self.case.continuity,
             non_orthogonality_max=self.non_orthogonality_max,
             wall_distance=self.wall_distance,
-        )
+        )  # fmt: skip
+
+    def write_fields(self) -> None:
+        """Leave U, p*/rho and the points at the committed time in the case's folder."""
+        self.case.flush(self.time)
+        self._shown.add(self.time)
 
     def save(self) -> dict[str, AnyArray]:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
@@ -264,5 +251,5 @@ class OpenFoamFlow:
         self._sliding.restore(saved["sliding"])
         self._pressure_before = saved["pressure"]
         self.case.rewind(self.time)
-        self._kept = set(self.case.times)
+        self._kept = {*self.case.times, self.time}
         self.case.unpack(self.time, saved)

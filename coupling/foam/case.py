@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _PATCHES = ("diaphragm", "shell")
 _WALL = "acceleratingWallPressure"  # of the walls' library
+_SHOWN = frozenset({"p", "U", "points"})  # what is looked at, of the files of a time
 _TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
 
 
@@ -191,6 +192,20 @@ class Case:
         if time > 0:
             for part in self.parts:
                 shutil.rmtree(part.folder / self.time_name(time), ignore_errors=True)
+
+    def thin(self, time: float) -> None:
+        """Of the fields at ``time`` [s], keep U, p and the points alone: no step starts there."""
+        for part in self.parts:
+            for path in list((part.folder / self.time_name(time)).rglob("*")):
+                if path.is_file() and path.name not in _SHOWN:
+                    path.unlink()
+
+    @property
+    def size(self) -> int:
+        """Bytes on disk of the fields at all times but 0."""
+        folders = [p.folder / self.time_name(t) for p in self.parts for t in self.times if t > 0]
+        files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
+        return sum(path.stat().st_size for path in files)
 
     def pack(self, time: float) -> dict[str, NDArray[np.uint8]]:
         """The files of the fields at ``time`` [s] as bytes, by ``file:`` and their names."""

@@ -48,6 +48,7 @@ def summarise(
         "status": status,
         "model": scene.model.fluid,
         "solver": statistics.flow_solver,
+        "flow_fields_bytes": statistics.flow_fields_bytes,
         "steps": statistics.steps,
         "simulated_s": statistics.simulated_s,
         "wall_s": statistics.wall_s,

@@ -1,0 +1,57 @@
+"""What a flow on a mesh is sampled with at a step's end."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coupling.fluids.gauge import largest_rate
+from coupling.foam.geometry import CellGeometry
+from coupling.foam.mesh import LiquidMesh
+from coupling.foam.wall import WallFlow
+from coupling.ports import Array, FlowSample
+
+
+def flow_sample(
+    mesh: LiquidMesh,
+    geometry: CellGeometry,
+    *,
+    density: float,
+    velocity: Array,
+    boundary_pressure: Array,
+    walls: WallFlow,
+    pressure_work: float,
+    volume_error: float,
+    continuity_error: float,
+    non_orthogonality_max: float,
+    wall_distance: float,
+) -> FlowSample:
+    """The sample of cells that stand as ``geometry`` says and move at ``velocity`` (c, 3) [m/s].
+
+    ``density`` [kg/m^3]; ``boundary_pressure`` (B,) [Pa]: p* on all walls, the diaphragm's first;
+    the rest as in ``FlowSample``.
+    """
+    boundary = slice(mesh.inner_faces, None)
+    face_pressure = boundary_pressure[: mesh.diaphragm_faces]
+    force = boundary_pressure[:, None] * geometry.face_area[boundary]
+    speed = np.linalg.norm(velocity, axis=1)
+    wall_speed = speed[mesh.owner[mesh.diaphragm]]
+    rate = face_pressure / density + 0.5 * wall_speed**2  # -dphi/dt
+    volume = float(geometry.volume.sum())
+    return FlowSample(
+        face_pressure=face_pressure,
+        kinetic_pressure=-0.5 * density * wall_speed**2,
+        viscous_traction=walls.traction,
+        wall_pressure_force=force.sum(axis=0),
+        wall_pressure_moment=np.cross(geometry.face_centre[boundary], force).sum(axis=0),
+        speed_max=float(speed.max()),
+        dphi_dt_max=largest_rate(rate, np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)),
+        kinetic_energy=0.5 * density * float(geometry.volume @ speed**2),
+        wall_slip=walls.slip,
+        pressure_work=pressure_work,
+        volume=volume,
+        volume_error=volume_error,
+        liquid_cg=geometry.volume @ geometry.centre / volume,
+        continuity_error=continuity_error,
+        non_orthogonality_max=non_orthogonality_max,
+        wall_distance=wall_distance,
+    )
