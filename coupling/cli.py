@@ -23,6 +23,7 @@ from coupling.cli_options import (
 from coupling.cli_render import render
 from coupling.cli_sweep import sweep
 from coupling.exit_status import ExitStatus, guarded, run_app, stop
+from coupling.foam.mesh import cells_made
 from coupling.model_errors import choose
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
@@ -192,6 +193,7 @@ def check(
                 "numbers": numbers.to_dict(),
                 "record": None if record is None else record.to_dict(),
                 "models": model_estimates(scene),
+                "cells": cells_made(scene.openfoam.cells),
                 "advised": choice.fluid,
                 "reason": choice.reason,
             }

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coupling.foam.mesh import cells_above, cells_made
 from coupling.scene_numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
-from coupling.scene_sections import Motion
+from coupling.scene_sections import LEAST, Motion
 from coupling.table_text import TableError
 from coupling.wrinkles import (
     CELLS_A_WAVELENGTH,
@@ -20,12 +21,15 @@ if TYPE_CHECKING:
     from coupling.scene import Scene
 
 THICKNESS_OVER_RADIUS = 0.05
+FARTHEST_CELLS = 1.5  # that may be asked, over those that the mesh has
 
 
 def problems_between(scene: Scene) -> list[str]:
     """One line ``key: what is wrong. Mend.`` for each problem of more than one section."""
     return [
         *_check_shape(scene),
+        *_check_gravity(scene),
+        *_check_cells(scene),
         *_check_grid(scene),
         *_check_wrinkling(scene),
         *_check_motion(scene),
@@ -36,19 +40,43 @@ def problems_between(scene: Scene) -> list[str]:
 def _check_shape(scene: Scene) -> list[str]:
     problems = []
     thickest = THICKNESS_OVER_RADIUS * scene.tank.radius
-    _, thickness = scene.diaphragm.thickness_range
+    thinnest, thickness = scene.diaphragm.thickness_range
+    if thinnest < LEAST:
+        problems.append(
+            f"diaphragm.thickness_map: must be at least {LEAST:g} m thick, got {thinnest:g}. "
+            "Give metres."
+        )
     if thickness >= thickest:
         key = "thickness" if scene.diaphragm.thickness_map is None else "thickness_map"
         problems.append(
             f"diaphragm.{key}: must be below {THICKNESS_OVER_RADIUS} radii ({thickest:.4g} m), "
             f"got {thickness:g}. Give metres; a thicker diaphragm is no membrane."
         )
-    if not scene.gravity[2] < 0.0:
-        problems.append(
-            f"gravity: its z component must be negative, got {list(scene.gravity)}. "
-            "Turn the tank so that the liquid lies below the diaphragm, at negative z."
-        )
     return problems
+
+
+def _check_gravity(scene: Scene) -> list[str]:
+    if scene.gravity[2] < 0.0:
+        return []
+    what = f"gravity: its z component must be negative, got {list(scene.gravity)}. "
+    if any(scene.gravity):
+        return [f"{what}Turn the axes so that the liquid lies below the diaphragm, at negative z."]
+    return [
+        f"{what}A weightless liquid has no level that the diaphragm could settle on: give the "
+        "steady acceleration that holds it down, such as [0.0, 0.0, -9.81] on the ground."
+    ]
+
+
+def _check_cells(scene: Scene) -> list[str]:
+    """The meshes come in steps: whether the one taken has about as many cells as were asked."""
+    asked = scene.openfoam.cells
+    made, next_ = cells_made(asked), cells_above(asked)
+    if asked <= FARTHEST_CELLS * made:
+        return []
+    return [
+        f"openfoam.cells: the mesh of at most {asked} cells has {made}, the next one {next_}. "
+        f"Give {made} or {next_}."
+    ]
 
 
 def _check_grid(scene: Scene) -> list[str]:

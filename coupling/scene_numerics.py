@@ -15,6 +15,7 @@ from coupling.scene_sections import Section
 MOST_RINGS = 200
 MOST_PROCESSORS = 256
 FEWEST_STEPS_A_PERIOD = 20
+MOST = 1_000_000  # of what is counted: no run comes near it
 
 
 class Cloth(Section):
@@ -86,8 +87,9 @@ class OpenFoam(Section):
     )
     cells: int = Field(
         default=1300,
-        ge=64,
-        description="cells of the mesh, at most: it has 176, 540, 1216, 2300, 4320, 6664, 9728 ...",
+        ge=176,
+        le=MOST,
+        description="cells of the mesh, at most: it has 176, 540, 1216, 2300, 4320, 6664 and so on",
     )
     keep_alive: bool = Field(
         default=True,
@@ -113,10 +115,15 @@ class Coupling(Section):
         description='coupling scheme: "added-mass", "iqn-ils", "aitken" or "fixed-point"',
     )
     tolerance: float = Field(default=1e-4, gt=0, lt=1, description="relative residual to reach")
-    max_iterations: int = Field(default=30, ge=1, description="most iterations of a step")
-    reuse: int = Field(default=8, ge=0, description="number of past steps that iqn-ils reuses")
+    max_iterations: int = Field(default=30, ge=1, le=MOST, description="most iterations of a step")
+    reuse: int = Field(
+        default=8, ge=0, le=MOST, description="number of past steps that iqn-ils reuses"
+    )
     max_unconverged: int = Field(
-        default=5, ge=0, description="number of unconverged steps after which the run stops"
+        default=5,
+        ge=0,
+        le=MOST,
+        description="number of unconverged steps after which the run stops",
     )
     relaxation: float = Field(
         default=0.01, gt=0, le=1, description="first relaxation of aitken and iqn-ils"
@@ -130,7 +137,9 @@ class Time(Section):
     scene turns them into those two (``scene_periods``), so they are None in every valid scene.
     """
 
-    settle: float = Field(default=1.0, ge=0, description="largest pseudo-time of settling [s]")
+    settle: float = Field(
+        default=1.0, ge=0, le=1000, description="largest pseudo-time of settling [s]"
+    )
     settle_tolerance: float = Field(
         default=4e-7,
         gt=0,
@@ -144,9 +153,11 @@ class Time(Section):
         json_schema_extra={"instead": "the periods of a sine to simulate"},
     )
     step: float = Field(default=0.005, gt=0, description="time step [s]")
-    output_every: int = Field(default=4, ge=1, description="number of steps between outputs")
+    output_every: int = Field(
+        default=4, ge=1, le=MOST, description="number of steps between outputs"
+    )
     checkpoint_every: int = Field(
-        default=50, ge=1, description="number of steps between checkpoints"
+        default=50, ge=1, le=MOST, description="number of steps between checkpoints"
     )
     periods: float | None = Field(
         default=None, gt=0, description="number of the sine's periods to simulate"
@@ -154,6 +165,7 @@ class Time(Section):
     steps_per_period: int | None = Field(
         default=None,
         ge=FEWEST_STEPS_A_PERIOD,
+        le=MOST,
         description=f"number of steps in a period of the sine, {FEWEST_STEPS_A_PERIOD} or more",
     )
 

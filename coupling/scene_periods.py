@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from coupling.scene_numerics import FEWEST_STEPS_A_PERIOD
+from coupling.scene_numerics import FEWEST_STEPS_A_PERIOD, MOST
+from coupling.scene_sections import LARGEST, LEAST
 
 _SECONDS = {"periods": "duration", "steps_per_period": "step"}
 
@@ -56,10 +56,10 @@ def _problem(key: str, time: Mapping[str, Any], motion: Any) -> str:
 
 def _usable(key: str, count: Any) -> bool:
     if key == "steps_per_period":
-        return isinstance(count, int) and count >= FEWEST_STEPS_A_PERIOD
+        return isinstance(count, int) and FEWEST_STEPS_A_PERIOD <= count <= MOST
     return _positive(count)
 
 
 def _positive(value: Any) -> bool:
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and math.isfinite(value) and value > 0
+    return number and LEAST <= value <= LARGEST

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from coupling.liquids import LIQUIDS
@@ -30,10 +30,27 @@ def _as_tuple(value: Any) -> Any:
 Vector = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
 
 
+# In SI units no quantity of a tank lies outside; products and ratios of a few of them are finite.
+LEAST, LARGEST = 1e-15, 1e15
+THINNEST_FILL = 1e-6  # below it the level's own formula loses its digits
+
+
 class Section(BaseModel):
-    """Shared settings: frozen, typed strictly (an integer is a number), finite, no other keys."""
+    """Shared settings: frozen, typed strictly (an integer is a number), finite, no other keys.
+
+    A number is 0 or has a size from LEAST to LARGEST; so has the largest part of a vector.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _of_a_size(cls, value: Any) -> Any:
+        parts = value if isinstance(value, tuple) else (value,)
+        sizes = [abs(part) for part in parts if isinstance(part, float)]
+        if sizes and max(sizes) != 0.0 and not LEAST <= max(sizes) <= LARGEST:
+            raise PydanticCustomError("size", "must be 0 or have a size from 1e-15 to 1e+15")
+        return value
 
 
 class Tank(Section):
@@ -61,6 +78,15 @@ class Liquid(Section):
         default=None, gt=0, description="surface tension [N/m]; only Bond and Weber numbers use it"
     )
     fill_fraction: float = Field(gt=0, lt=1, description="liquid volume over the tank volume")
+
+    @field_validator("fill_fraction", mode="after")
+    @classmethod
+    def _leaves_room(cls, value: float) -> float:
+        if not THINNEST_FILL <= value <= 1.0 - THINNEST_FILL:
+            raise PydanticCustomError(
+                "fill", "must leave more than 1e-6 of the tank to both liquid and gas"
+            )
+        return value
 
     @model_validator(mode="before")
     @classmethod
@@ -127,6 +153,8 @@ class Motion(Section):
             )
         if not (isinstance(acceleration, int | float) and isinstance(frequency, int | float)):
             return given  # what is wrong with either is said of it
+        if max(acceleration, frequency) > LARGEST or 0 < frequency < LEAST:
+            return given
         rest = {key: value for key, value in given.items() if key != "acceleration"}
         omega = 2.0 * np.pi * frequency
         return rest | {"amplitude": float(acceleration / omega**2) if omega else 0.0}
@@ -141,7 +169,7 @@ class Motion(Section):
     @property
     def unit_direction(self) -> Array:
         """``direction`` scaled to length 1, (3,)."""
-        vector: Array = np.array(self.direction)
+        vector: Array = np.array(self.direction) / np.abs(self.direction).max()
         unit: Array = vector / np.linalg.norm(vector)
         return unit
 

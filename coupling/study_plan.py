@@ -92,9 +92,7 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     has no other.
     """
     if scene.model.fluid == "openfoam":
-        least = 64  # that a scene may ask for
-        fewer = max(least, cells_halved(scene.openfoam.cells))
-        grid = _with(scene, "openfoam", cells=fewer)
+        grid = _with(scene, "openfoam", cells=cells_halved(scene.openfoam.cells))
     else:
         grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
     variants = {COARSER: grid} if _is_valid(grid) else {}

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from coupling.cost import fields_size, run_time
+from coupling.foam.mesh import cells_made
 from coupling.model_errors import Choice, estimates
 from coupling.numbers import Numbers
 from coupling.record_summary import record_summary
@@ -190,6 +191,8 @@ def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
     }
     values = numbers.to_dict()
     rows = [(text, figure(values[key])) for key, text in names.items()]
+    if scene.model.fluid == "openfoam":
+        rows.append(("cells of the flow's mesh", figure(cells_made(scene.openfoam.cells))))
     print_table(scene.title, ("number", "value"), rows)
     expected = [
         (

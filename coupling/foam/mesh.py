@@ -114,6 +114,11 @@ def cells_made(cells: int) -> int:
     return _size(_divisions(cells)[0])
 
 
+def cells_above(cells: int) -> int:
+    """How many cells the next finer mesh than ``half_ball(cells)`` has."""
+    return _size(_divisions(cells)[0] + 2)
+
+
 def cells_halved(cells: int) -> int:
     """Cells of the coarser half ball that comes nearest to half those of ``half_ball(cells)``."""
     n = _divisions(cells)[0]

@@ -115,11 +115,12 @@ def test_a_study_runs_only_scenes_that_can_be_read_again() -> None:
 
 
 def test_a_coarse_scene_with_half_the_cells_can_be_read_again() -> None:
-    """The meshes below 540 cells have 176 and 16; a scene asks for 64 at least."""
-    for cells in (64, 176, 352):
-        scene = with_overrides(run.scene(), ["model.fluid=openfoam", f"openfoam.cells={cells}"])
-        coarse = coarser_scenes(scene)["coarser_grid"].openfoam.cells
-        assert with_overrides(scene, [f"openfoam.cells={coarse}"]).openfoam.cells == coarse
+    """The mesh below 540 cells has 176; below that there is none, and no coarser scene."""
+    scene = with_overrides(run.scene(), ["model.fluid=openfoam", "openfoam.cells=540"])
+    coarse = coarser_scenes(scene)["coarser_grid"].openfoam.cells
+    assert with_overrides(scene, [f"openfoam.cells={coarse}"]).openfoam.cells == coarse == 176
+    coarsest = with_overrides(scene, ["openfoam.cells=176"])
+    assert "coarser_grid" not in coarser_scenes(coarsest)
 
 
 SCENE = f"""\

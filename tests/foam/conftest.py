@@ -36,7 +36,7 @@ amplitude = 0.05
 [cloth]
 resolution = 6
 [openfoam]
-cells = 352
+cells = 176
 [time]
 settle = 0.5
 duration = 0.06

@@ -22,7 +22,7 @@ SCENE = {
     "liquid": {"name": "water", "fill_fraction": 0.8},
     "motion": {"kind": "sine", "frequency": 1.25, "amplitude": 0.25, "ramp": 0.5},
     "cloth": {"resolution": 8, "iterations": 60},
-    "openfoam": {"cells": 352},
+    "openfoam": {"cells": 176},
     "coupling": {"tolerance": TOLERANCE, "max_iterations": 60},
     "time": {"duration": 0.03, "step": 0.01, "output_every": 1},
 }
