@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
 
@@ -22,8 +23,10 @@ from coupling.cli_options import (
 )
 from coupling.cli_render import render
 from coupling.cli_sweep import sweep
-from coupling.exit_status import ExitStatus, guarded, run_app, stop
+from coupling.cli_verify import verify
+from coupling.exit_status import guarded, run_app
 from coupling.foam.mesh import cells_made
+from coupling.json_output import print_json
 from coupling.model_errors import choose
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
@@ -40,23 +43,35 @@ from coupling.study_plan import ROWS
 from coupling.tables import (
     model_estimates,
     print_check,
-    print_json,
     print_study,
     print_summary,
     print_table,
-    print_verify,
 )
-from coupling.verify import CASES, option_pairs, run_all, run_case
 
 STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *ROWS})
 
 app = typer.Typer(
-    help="Fluid-structure interaction of spherical elastomeric diaphragm tanks.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
 app.command()(sweep)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"diaphragm-tank {version('diaphragm-tank')}")
+        raise typer.Exit
+
+
+@app.callback()
+def edt(
+    _: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Say the version."),
+    ] = False,
+) -> None:
+    """Fluid-structure interaction of spherical elastomeric diaphragm tanks."""
 
 
 @app.command()
@@ -202,30 +217,7 @@ def check(
         print_check(scene, numbers, choice)
 
 
-@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
-@guarded
-def verify(
-    ctx: typer.Context,
-    case: Annotated[
-        str | None, typer.Argument(metavar="CASE", help=f"One of {', '.join(CASES)}; or all.")
-    ] = None,
-    as_json: AsJson = False,
-) -> None:
-    """Hold cases against exact answers. Options of the case follow: --level 0.6 --mode 1."""
-    if case is not None:
-        result = run_case(case, option_pairs(ctx.args))
-        if as_json:
-            print_json(result.to_dict())
-        else:
-            print_verify([result], {})
-        return
-    results, failures = run_all()
-    if as_json:
-        print_json({"cases": [result.to_dict() for result in results], "failures": failures})
-    else:
-        print_verify(results, failures)
-    if failures:
-        stop("\n".join(f"{name}: {why}" for name, why in failures.items()), ExitStatus.FAILED)
+app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(verify)
 
 
 @app.command()

@@ -22,11 +22,12 @@ from coupling.cli_options import (
     resumable,
 )
 from coupling.exit_status import guarded
+from coupling.json_output import print_json
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
 from coupling.run_folder import default_folder, prepare_folder
 from coupling.sweep_plan import Plan, parse_axis, plan_sweep
-from coupling.tables import figure, print_json, print_table
+from coupling.tables import figure, print_table
 
 SWEEP_FILES = frozenset({"sweep.json", "sweep.csv", "report.html", "points"})
 

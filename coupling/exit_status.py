@@ -8,11 +8,12 @@ import sys
 from collections.abc import Callable
 from enum import IntEnum
 from types import FrameType
-from typing import NoReturn, ParamSpec
+from typing import NoReturn, ParamSpec, cast
 
 import typer
 
 from coupling.foam.installation import OpenFoamMissing
+from coupling.json_output import one_object, print_failure
 from coupling.ports import RunFailed
 from coupling.run_folder import FolderError
 from coupling.scene import SceneError
@@ -20,6 +21,8 @@ from coupling.sweep_plan import SweepError
 from coupling.verify import CaseError
 
 P = ParamSpec("P")
+# The base of all that is wrong with a command line itself; typer names no other of them.
+USAGE_ERROR = cast(type[typer.BadParameter], typer.BadParameter.__base__)
 
 
 class ExitStatus(IntEnum):
@@ -34,6 +37,7 @@ class ExitStatus(IntEnum):
 def stop(message: str, status: ExitStatus) -> NoReturn:
     """Say ``message`` on stderr and end the verb with ``status``."""
     typer.echo(message, err=True)
+    print_failure(message, status)
     raise typer.Exit(status)
 
 
@@ -42,6 +46,10 @@ def guarded(verb: Callable[P, None]) -> Callable[P, None]:
 
     @functools.wraps(verb)
     def guard(*args: P.args, **kwargs: P.kwargs) -> None:
+        with one_object(wanted=kwargs.get("as_json") is True):
+            checked(*args, **kwargs)
+
+    def checked(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             verb(*args, **kwargs)
         except (SceneError, SweepError, FolderError, CaseError, OpenFoamMissing) as error:
@@ -70,7 +78,12 @@ def run_app(app: typer.Typer) -> NoReturn:
     """Run the command line; an interrupt outside of any verb ends it quietly too."""
     interrupt_on_sigterm()
     try:
-        app(prog_name="edt")
-    except KeyboardInterrupt:
+        status = app(prog_name="edt", standalone_mode=False)
+    except USAGE_ERROR as error:
+        error.show()
+        with one_object(wanted="--json" in sys.argv[1:]):
+            print_failure(error.format_message(), error.exit_code)
+        sys.exit(error.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
         sys.exit(ExitStatus.INTERRUPTED)
-    sys.exit(ExitStatus.DONE)
+    sys.exit(status or ExitStatus.DONE)

@@ -1,9 +1,7 @@
-"""Tables that the command line prints, and the same as JSON."""
+"""Tables that the command line prints."""
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -20,21 +18,6 @@ from coupling.record_summary import record_summary
 from coupling.scene import Scene
 from coupling.strength import burst_warning
 from coupling.verify import VerifyResult
-
-
-def print_json(value: Mapping[str, Any]) -> None:
-    """Print ``value`` on stdout as JSON; numbers that JSON does not know become null."""
-    print(json.dumps(_finite(value), indent=2))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

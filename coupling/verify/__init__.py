@@ -12,13 +12,14 @@ from importlib import import_module
 from typing import Any
 
 from coupling.ports import RunFailed
-from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity
+from coupling.verify.case import CaseError, Quantity, VerifyResult, beyond, quantity
 
 __all__ = [
     "CASES",
     "CaseError",
     "Quantity",
     "VerifyResult",
+    "beyond",
     "case_function",
     "case_options",
     "option_pairs",

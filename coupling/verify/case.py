@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -42,6 +42,28 @@ class VerifyResult:
             "quantities": [asdict(quantity) for quantity in self.quantities],
             "wall_s": self.wall_s,
         }
+
+
+def beyond(results: Sequence[VerifyResult], tolerance: float | None) -> dict[str, str]:
+    """Cases with an error above ``tolerance``, and by which quantity; none without a tolerance.
+
+    An error that is not a number is above any.
+    """
+    if tolerance is None:
+        return {}
+    far = {
+        result.case: [
+            f"{one.name} errs by {one.error:.3g}"
+            for one in result.quantities
+            if not one.error <= tolerance
+        ]
+        for result in results
+    }
+    return {
+        case: f"{', '.join(errors)}, above the tolerance of {tolerance:g}"
+        for case, errors in far.items()
+        if errors
+    }
 
 
 def quantity(name: str, computed: float, exact: float, unit: str = "-") -> Quantity:
