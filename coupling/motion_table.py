@@ -50,7 +50,7 @@ class MotionTable:
     read: str = ""
     units_given: bool = True
 
-    @property
+    @cached_property
     def mean(self) -> Array:
         """Mean acceleration (3,) [m/s^2] over time."""
         middle = 0.5 * (self.acceleration[1:] + self.acceleration[:-1])

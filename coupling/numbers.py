@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from coupling.scene import Scene
-from coupling.shaking import driving_frequency, largest_body_force, peak_accelerations
+from coupling.shaking import driving_frequency, largest_acceleration, largest_body_force
 from coupling.sloshing_modes import covered_eigenvalue, slosh_eigenvalue
 from coupling.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
 
@@ -166,13 +166,9 @@ def _wrinkles(scene: Scene) -> dict[str, Any]:
 
 
 def numbers_of(scene: Scene) -> Numbers:
-    """Dimensionless numbers of ``scene``.
-
-    ``TableError`` if its motion table has changed since the scene was read and is now wrong.
-    """
+    """Dimensionless numbers of ``scene``."""
     radius, density, rubber = scene.tank.radius, scene.liquid.density, scene.diaphragm
     gravity = float(np.linalg.norm(scene.gravity))
-    accelerations = peak_accelerations(scene)
     body_force = largest_body_force(scene)
     level = level_of_fill_fraction(scene.liquid.fill_fraction)
     f1 = slosh_frequency(
@@ -188,7 +184,7 @@ def numbers_of(scene: Scene) -> Numbers:
         slosh_frequency=f1,
         frequency=f,
         frequency_ratio=f / f1,
-        acceleration_ratio=float(np.linalg.norm(accelerations, axis=1).max()) / gravity,
+        acceleration_ratio=largest_acceleration(scene) / gravity,
         largest_body_force=body_force,
         membrane_parameter=membrane_parameter(
             density=density,

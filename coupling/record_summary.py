@@ -56,7 +56,7 @@ def record_summary(scene: Scene) -> RecordSummary | None:
 
 def _line(scene: Scene, table: MotionTable, above: float) -> str:
     rate = 1.0 / float(np.median(np.diff(table.time)))
-    peak = table.acceleration[np.argmax(np.linalg.norm(table.acceleration, axis=1))]
+    peak = table.acceleration[np.argmax(np.sum(table.acceleration**2, axis=1))]
     return (
         f"record {Path(scene.motion.file or '').name}: {table.read}; {len(table.time)} samples at "
         f"{rate:.4g} Hz, {table.time[0]:.4g} to {table.time[-1]:.4g} s, "
