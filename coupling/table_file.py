@@ -30,6 +30,7 @@ _HEADER = (
     "Name the columns in a line above the numbers; write decimals with a point where commas "
     "separate the columns."
 )
+_NAME_ALL = "Name every column; write decimals with a point where commas separate the columns."
 _DATES = "Give time in seconds, or as ISO 8601 has it, such as 2026-01-31T10:00:00.005."
 
 
@@ -125,24 +126,39 @@ class _Body:
         self.text = "\n".join(lines)
 
     def check_cells(self, head: Head) -> None:
-        """No line may hold more cells than there are columns, but for empty ones at its end."""
-        separator, allowed = self.dialect.separator, head.cells
-        if separator is not None and '"' not in self.text:
-            letters = np.frombuffer(self.text.encode(), dtype=np.uint8)
-            ends = np.append(np.flatnonzero(letters == ord("\n")), len(letters))
-            marks = np.flatnonzero(letters == ord(separator))
-            cells = 1 + np.diff(np.searchsorted(marks, ends), prepend=0)
-        else:
-            cells = np.array([len(self.dialect.split(line)) for line in self.lines])
-        for row in np.flatnonzero(cells > allowed).tolist():
-            if any(self.dialect.split(self.lines[row])[allowed:]):
-                if head.line == 0:
-                    raise self._wrong(row, 1, _HEADER)
-                raise TableError(
-                    f"{self.path}: line {self.numbers[row]}: holds {cells[row]} columns, line "
-                    f"{head.line} names {allowed}, got '{self._shown(row)}'. Name every column; "
-                    "write decimals with a point where commas separate the columns."
-                )
+        """Every line must hold as many cells as there are columns, but for empty ones at its end.
+
+        A cell that is left out would move those behind it into other columns.
+        """
+        cells, wanted, separator = self._count(), head.cells, self.dialect.separator or " "
+        for row in np.flatnonzero(cells != wanted).tolist():
+            few = bool(cells[row] < wanted)
+            one_more = cells[row] == wanted + 1 and self.lines[row].endswith(separator)
+            if one_more or not (few or any(self.dialect.split(self.lines[row])[wanted:])):
+                continue
+            if head.line == 0:
+                raise self._wrong(row, 1, _REMOVE if few else _HEADER)
+            mend = "Complete the line, or remove it." if few else _NAME_ALL
+            raise TableError(
+                f"{self.path}: line {self.numbers[row]}: holds {cells[row]} columns, line "
+                f"{head.line} names {wanted}, got '{self._shown(row)}'. {mend}"
+            )
+
+    def _count(self) -> Ints:
+        """Cells (k,) of the lines."""
+        separator = self.dialect.separator
+        if separator is None or '"' in self.text:
+            for row, line in enumerate(self.lines):
+                if line.count('"') % 2:
+                    raise TableError(
+                        f"{self.path}: line {self.numbers[row]}: a quote is not closed, got "
+                        f"'{self._shown(row)}'. Close it, or leave quotes out."
+                    )
+            return np.array([len(self.dialect.split(line)) for line in self.lines])
+        letters = np.frombuffer(self.text.encode(), dtype=np.uint8)
+        ends = np.append(np.flatnonzero(letters == ord("\n")), len(letters))
+        marks = np.flatnonzero(letters == ord(separator))
+        return np.asarray(1 + np.diff(np.searchsorted(marks, ends), prepend=0), dtype=np.int64)
 
     def values(self, head: Head) -> tuple[Array, str | None]:
         """Values (k, c), and the first of times that were dates."""
