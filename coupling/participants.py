@@ -16,7 +16,7 @@ from coupling.coupled_step import CoupledStep
 from coupling.energy import Instant, instant_of
 from coupling.liquid import flow_of, load_model, potential_of, start_flow
 from coupling.motion import motion_of
-from coupling.ports import AnyArray, FlowSample, HydrostaticLoad, LiquidSample
+from coupling.ports import AnyArray, Array, FlowSample, HydrostaticLoad, LiquidSample
 from coupling.potential_step import PotentialStep
 from coupling.run_record import Sample
 from coupling.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
@@ -180,6 +180,12 @@ class Participants:
         self._load = self.model.load(np.asarray(self.scene.gravity) - shaking)
         return self._load
 
+    def _acceleration(self, time: float) -> Array:
+        """Of the tank (3,) [m/s^2] at ``time`` [s], of a record its mean over the step before."""
+        if time == 0.0:
+            return np.zeros(3)
+        return self.motion.step_acceleration(time - self.scene.time.step, time, 0.0)
+
     def instant(self, time: float, liquid: LiquidSample | None) -> Instant:
         """What the energy balance needs to know of the committed state at ``time`` [s]."""
         shaking = np.zeros(3)
@@ -214,7 +220,7 @@ class Participants:
                 pressures = at_nodes(liquid, self.mapping.to_nodes)
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
-            load=self._load, gravity=np.asarray(self.scene.gravity),
+            load=self._load, acceleration=self._acceleration(time),
             displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
             iterations=iterations, residual=residual, metrics=metrics,
         )  # fmt: skip

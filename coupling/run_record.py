@@ -17,8 +17,10 @@ class Sample:
     (3,); ``position`` (n, 3); ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and
     p* with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
     ``self_slip`` (n,) [m]. ``force`` [N] and ``moment`` [N m] act on tank and
-    diaphragm, about the tank's centre. ``metrics``: further scalars by name (``speed_max``,
-    ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample of a run.
+    diaphragm, about the tank's centre. ``tank_acceleration`` [m/s^2] is the one at ``time``, of a
+    record its mean over the time step that ends there. ``metrics``: further scalars by name
+    (``speed_max``, ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample
+    of a run.
     """
 
     time: float

@@ -54,7 +54,7 @@ def sample_at(
     triangles: Ints,
     radius: float,
     load: HydrostaticLoad,
-    gravity: Array,
+    acceleration: Array,
     displacement: Array,
     flow: LiquidSample | None,
     pressures: NodePressures,
@@ -77,7 +77,7 @@ def sample_at(
     hydrostatic = state.datum_pressure + load.density * state.position @ load.body_force
     return Sample(
         time=time,
-        tank_acceleration=gravity - load.body_force,
+        tank_acceleration=acceleration,
         tank_displacement=displacement,
         position=state.position,
         pressure=hydrostatic + pressures.dynamic,
