@@ -7,7 +7,7 @@ import json
 import math
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,13 @@ import numpy as np
 
 from coupling.ports import RunFailed
 
+
+class UnreadableFile(RunFailed):
+    """A file of a run that cannot be used: cut, damaged or of another version."""
+
+
+# What h5py raises for a file that is cut, damaged or laid out in another way.
+H5_ERRORS = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
@@ -53,6 +60,23 @@ def write_text(path: Path, text: str) -> None:
 def write_json(path: Path, content: Any) -> None:
     """Write JSON whole or not at all; NaN and infinities become null, arrays become lists."""
     write_text(path, json.dumps(plain(content), indent=1, allow_nan=False) + "\n")
+
+
+def read_json(path: Path, parts: Mapping[str, type], mend: str) -> dict[str, Any]:
+    """Read a JSON object that has at least ``parts``: keys and the types of their values.
+
+    Raises ``UnreadableFile``, which ends with ``mend``.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UnreadableFile(f"{path}: cannot be read: {error}. {mend}") from error
+    if not isinstance(content, dict):
+        raise UnreadableFile(f"{path}: holds no JSON object. {mend}")
+    wrong = [k for k, kind in parts.items() if k not in content or not isinstance(content[k], kind)]
+    if wrong:
+        raise UnreadableFile(f"{path}: holds no proper {', '.join(wrong)}. {mend}")
+    return content
 
 
 def plain(value: Any) -> Any:

@@ -13,10 +13,14 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from coupling.atomic import replacing
-from coupling.ports import RunFailed
+from coupling.atomic import H5_ERRORS, UnreadableFile, replacing
 
 AnyArray = NDArray[Any]
+
+# What the parts hold: raised with every change that a run cannot go on across. Files before 2 do
+# not say theirs.
+SCHEMA = 2
+_MEND = "Run the scene again: edt run SCENE -o DIR --force."
 
 
 def save_checkpoint(
@@ -45,6 +49,7 @@ def save_checkpoint(
         for name, values in arrays.items():
             file.create_dataset(name, data=values)
         file.create_dataset("attributes", data=np.frombuffer(text.encode(), dtype=np.uint8))
+        file.attrs["schema"] = SCHEMA
         file.attrs["checksum"] = _checksum(arrays, text)
 
 
@@ -53,17 +58,15 @@ def load_checkpoint(path: Path | str) -> tuple[dict[str, dict[str, AnyArray]], d
 
     Raises
     ------
-    RunFailed
-        There is none, or it is damaged (its checksum says so).
+    UnreadableFile
+        There is none, it is damaged (its checksum says so), or its schema is not ``SCHEMA``.
     """
     path = Path(path)
     if not path.is_file():
-        raise RunFailed(
-            f"{path}: no checkpoint, so there is nothing to go on from. Start over with `edt run`; "
-            "a smaller time.checkpoint_every writes the first one earlier."
-        )
+        raise UnreadableFile(f"{path}: no checkpoint, so there is nothing to go on from. {_MEND}")
     try:
         with h5py.File(path, "r") as file:
+            _check_schema(path, int(file.attrs.get("schema", 1)))
             arrays = {
                 f"parts/{part}/{name}": values[()]
                 for part, group in file.get("parts", {}).items()
@@ -73,13 +76,24 @@ def load_checkpoint(path: Path | str) -> tuple[dict[str, dict[str, AnyArray]], d
             text = file["attributes"][()].tobytes().decode()
             if file.attrs["checksum"] != _checksum(arrays, text):
                 raise OSError("its checksum does not fit")
-    except (OSError, KeyError, UnicodeDecodeError, RuntimeError) as error:
-        raise RunFailed(f"{path}: damaged ({error}). Start over with `edt run`.") from error
+            attributes = json.loads(text)
+    except H5_ERRORS as error:
+        raise UnreadableFile(f"{path}: damaged ({error}). {_MEND}") from error
     parts: dict[str, dict[str, AnyArray]] = {name: {} for name in names}
     for place, values in arrays.items():
         _, part, name = place.split("/")
         parts[unquote(part)][unquote(name)] = values
-    return parts, json.loads(text)
+    return parts, attributes
+
+
+def _check_schema(path: Path, schema: int) -> None:
+    if schema != SCHEMA:
+        age = "an older" if schema < SCHEMA else "a newer"
+        raise UnreadableFile(
+            f"{path}: {age} version of the program wrote it (schema {schema}, this one reads "
+            f"{SCHEMA}). Go on with that version, or run the scene again with this one: "
+            "edt run SCENE -o DIR --force."
+        )
 
 
 def _checksum(arrays: Mapping[str, AnyArray], text: str) -> int:

@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from coupling.cli_options import (
-    MODELS,
     AllowCommand,
     AsJson,
     Changes,
@@ -17,38 +16,38 @@ from coupling.cli_options import (
     Output,
     RunFolder,
     ScenePath,
-    chosen_models,
     need_openfoam,
     resumable,
 )
 from coupling.cli_render import render
+from coupling.cli_study import study
 from coupling.cli_sweep import sweep
 from coupling.cli_verify import verify
 from coupling.exit_status import guarded, run_app
 from coupling.foam.mesh import cells_made
+from coupling.folder_lock import held
 from coupling.json_output import print_json
 from coupling.model_errors import choose
 from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
 from coupling.record_summary import record_summary
+from coupling.resumption import saved_run
 from coupling.run_folder import (
     check_reportable,
     check_resumable,
+    check_scene_outside,
     default_folder,
     prepare_folder,
 )
-from coupling.scene import load_scene
-from coupling.study_plan import ROWS
+from coupling.scene import SCENE_FILE, load_scene, tables_of
+from coupling.scene_source import scene_file
 from coupling.tables import (
     model_estimates,
     print_check,
-    print_study,
     print_summary,
     print_table,
 )
-
-STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *ROWS})
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -97,10 +96,12 @@ def run(
 
         need_openfoam(scene, [scene.model.fluid])
     folder = output or default_folder(scene_path)
-    prepare_folder(folder, force=force)
-    with resumable(folder), RunProgress() as progress:
-        summary = run_scene(scene, folder, progress=progress)
-    _finish(summary, folder, as_json)
+    check_scene_outside(folder, [scene_file(scene_path), *tables_of(scene).values()])
+    with held(folder):
+        prepare_folder(folder, force=force)
+        with resumable(folder), RunProgress() as progress:
+            summary = run_scene(scene, folder, progress=progress)
+        _finish(summary, folder, as_json)
 
 
 @app.command()
@@ -108,16 +109,27 @@ def run(
 def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJson = False) -> None:
     """Go on from the last checkpoint, with the results of a run that never stopped."""
     check_resumable(folder)
-    scene = load_scene(folder)
-    need_openfoam(scene, [scene.model.fluid])
-    if (folder / "auto.json").is_file():
-        from coupling.auto import resume_auto as resume_run
-    else:
-        from coupling.driver import resume as resume_run
+    with held(folder):
+        scene = load_scene(folder)
+        saved = saved_run(folder, scene)
+        auto = (folder / "auto.json").is_file()
+        if saved is not None and saved.finished is not None and not auto:
+            typer.echo(
+                f"{folder}: finished; nothing is left to compute. To go on beyond "
+                f"{scene.time.duration:g} s, raise time.duration in {folder / SCENE_FILE} first.",
+                err=True,
+            )
+            _print(saved.finished, folder, as_json)
+            return
+        need_openfoam(scene, [scene.model.fluid])
+        if auto:
+            from coupling.auto import resume_auto as resume_run
+        else:
+            from coupling.driver import resume as resume_run
 
-    with resumable(folder), RunProgress() as progress:
-        summary = resume_run(folder, progress=progress)
-    _finish(summary, folder, as_json)
+        with resumable(folder), RunProgress() as progress:
+            summary = resume_run(folder, progress=progress)
+        _finish(summary, folder, as_json)
 
 
 def _finish(summary: dict[str, object], folder: Path, as_json: bool) -> None:
@@ -130,50 +142,19 @@ def _finish(summary: dict[str, object], folder: Path, as_json: bool) -> None:
             write_report(folder)
         except RunFailed as error:
             failure = failure or str(error)
-    if as_json:
-        print_json(summary)
-    else:
-        print_summary(summary, folder)
+    _print(summary, folder, as_json)
     if failure:
         raise RunFailed(failure)
 
 
-@app.command()
-@guarded
-def study(
-    scene_path: ScenePath,
-    models: Annotated[
-        str, typer.Option("--models", help="Fluid models, separated by commas.")
-    ] = ",".join(MODELS),
-    quick: Annotated[
-        bool,
-        typer.Option(
-            "--quick",
-            help="Only the models, and the best one less resolved: no other resolutions, no "
-            "thesis' algorithm, no diaphragm that stretches.",
-        ),
-    ] = False,
-    output: Output = None,
-    changes: Changes = None,
-    allow_command: AllowCommand = False,
-    force: Force = False,
-    as_json: AsJson = False,
-) -> None:
-    """Run one scene on several fluid models: errors against the best, speed against error."""
-    chosen = chosen_models(models)
-    scene = load_scene(scene_path, changes or ())
-    need_openfoam(scene, chosen)
-    folder = output or default_folder(scene_path, "-study")
-    prepare_folder(folder, force=force, study=STUDY_FILES)
-    from coupling.study import run_study
-
-    again = f"edt study {scene_path} --models {models}{' --quick' * quick} -o {folder}"
-    with resumable(folder, again), RunProgress() as progress:
-        outcome = run_study(scene, chosen, folder, quick=quick, progress=progress)
+def _print(summary: dict[str, object], folder: Path, as_json: bool) -> None:
     if as_json:
-        print_json(outcome)
+        print_json(summary)
     else:
-        print_study(outcome, folder)
+        print_summary(summary, folder)
+
+
+app.command()(study)
 
 
 @app.command()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -85,7 +87,14 @@ def resumable(folder: Path, again: str = "") -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        if not again and (folder / "checkpoint.h5").is_file():
-            again = f"edt resume {folder}"
-        mend = f" Go on with: {again}" if again else ""
-        stop(f"{folder}: interrupted; what was computed is kept.{mend}", ExitStatus.INTERRUPTED)
+        if not again:
+            again = f"edt resume {shlex.quote(str(folder))}"
+        stop(
+            f"{folder}: interrupted; what was computed is kept. Go on with: {again}",
+            ExitStatus.INTERRUPTED,
+        )
+
+
+def again() -> str:
+    """The command as it was given, to be given again; without ``--force``."""
+    return shlex.join(["edt", *(word for word in sys.argv[1:] if word != "--force")])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,15 +15,20 @@ from coupling.cli_options import (
     Force,
     Output,
     ScenePath,
+    again,
     chosen_models,
     need_openfoam,
     resumable,
 )
 from coupling.exit_status import guarded
+from coupling.folder_lock import held
 from coupling.json_output import print_json
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
-from coupling.run_folder import default_folder, prepare_folder
+from coupling.run_folder import check_scene_outside, default_folder, prepare_folder
+from coupling.same_plan import check_same_plan
+from coupling.scene import tables_of
+from coupling.scene_source import scene_file
 from coupling.sweep_plan import Plan, parse_axis, plan_sweep
 from coupling.tables import figure, print_table
 
@@ -76,22 +79,24 @@ def sweep(
         for model, scene in point.scenes.items():
             need_openfoam(scene, [model])
     folder = output or default_folder(scene_path, "-sweep")
-    prepare_folder(folder, force=force, study=SWEEP_FILES)
-    from coupling.sweep import run_sweep
+    runs = plan.runs
+    files = {path for scene in runs.values() for path in tables_of(scene).values()}
+    check_scene_outside(folder, [scene_file(scene_path), *files], SWEEP_FILES)
+    with held(folder):
+        prepare_folder(folder, force=force, study=SWEEP_FILES)
+        check_same_plan(folder, runs, ("points/*/*",), force=force)
+        from coupling.sweep import run_sweep
 
-    with resumable(folder, _again()), RunProgress(unit="runs") as progress:
-        outcome = run_sweep(plan, folder, workers=workers, scheduler=scheduler, progress=progress)
+        with resumable(folder, again()), RunProgress(unit="runs") as progress:
+            outcome = run_sweep(
+                plan, folder, workers=workers, scheduler=scheduler, progress=progress
+            )
     if as_json:
         print_json(outcome)
     else:
         _print(plan, outcome, folder)
     if not any(row["reference"] for row in outcome["rows"]):
         raise RunFailed(f"{folder}: no run completed. The first: {outcome['rows'][0]['failure']}")
-
-
-def _again() -> str:
-    words = [word for word in sys.argv[1:] if word != "--force"]
-    return shlex.join(["edt", *words])
 
 
 def _print(plan: Plan, outcome: Mapping[str, Any], folder: Path) -> None:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from coupling import checkpoint
 from coupling.atomic import write_json
 from coupling.energy import EnergyBalance, stored_in
 from coupling.iteration_log import IterationLog
@@ -22,8 +20,11 @@ from coupling.participants import Participants
 from coupling.ports import LiquidSample, RunFailed
 from coupling.record_summary import record_summary
 from coupling.results import ResultsWriter, read_results
-from coupling.run_record import RunStatistics
+from coupling.resumption import SavedRun, save_run, saved_run
+from coupling.run_log import process_settings, run_log
+from coupling.run_record import SUMMARY, RunStatistics
 from coupling.scene import SCENE_FILE, Scene, load_scene, write_scene
+from coupling.scene_content import content_of
 from coupling.strength import burst_warning
 from coupling.structure import DryStep
 
@@ -39,15 +40,33 @@ def run(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict
     checkpoint is where ``resume`` goes on.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_scene(scene, folder)
-    with _log_file(folder), threadpool_limits(1):
+    with run_log(folder), process_settings:  # the log first: it marks the folder as a run's
+        write_scene(scene, folder)
         return _Run(scene, folder, progress).from_start()
 
 
-def resume(folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
-    """Go on from the last checkpoint in ``folder``; as ``run``."""
-    with _log_file(folder), threadpool_limits(1):
-        return _Run(load_scene(folder), folder, progress).from_checkpoint()
+def resume(
+    folder: Path, *, scene: Scene | None = None, progress: Progress | None = None
+) -> dict[str, Any]:
+    """Go on from the last checkpoint in ``folder``, or from the beginning before the first.
+
+    As ``run``. ``scene``: that of the folder, if it is known already. A run that has finished is
+    not computed again.
+
+    Raises
+    ------
+    FolderError, UnreadableFile
+        The folder's scene is not that of its checkpoint, or a file is damaged (``saved_run``).
+    """
+    scene = scene or load_scene(folder)
+    saved = saved_run(folder, scene)
+    if saved is not None and saved.finished is not None:
+        return saved.finished
+    if saved is None:
+        shutil.rmtree(folder / "foam", ignore_errors=True)  # half made
+    with run_log(folder), process_settings:
+        one = _Run(scene, folder, progress)
+        return one.from_start() if saved is None else one.from_checkpoint(saved)
 
 
 class _Run:
@@ -55,6 +74,7 @@ class _Run:
 
     def __init__(self, scene: Scene, folder: Path, progress: Progress | None) -> None:
         self.scene, self.folder = scene, folder
+        self.content = content_of(scene)
         self.progress = progress or (lambda *_: None)
         self.sides = Participants(scene, folder / "foam")
         self.tally = self.sides.tally
@@ -64,13 +84,16 @@ class _Run:
 
     def from_start(self) -> dict[str, Any]:
         """The whole run; returns the summary."""
-        written = (self.folder / SCENE_FILE).read_text(encoding="utf-8")  # its tables beside it
         self.results = ResultsWriter(
-            self.folder, scene_toml=written, model=self.scene.model.fluid,
+            self.folder, scene_toml=self._scene_as_written(), model=self.scene.model.fluid,
             reference=self.sides.cloth.reference, triangles=self.sides.cloth.triangles,
+            scene_hash=self.content.digest(),
         )  # fmt: skip
         self.iterations = IterationLog(self.folder)
         return self._guarded(self._begin)
+
+    def _scene_as_written(self) -> str:
+        return (self.folder / SCENE_FILE).read_text(encoding="utf-8")  # its tables beside it
 
     def _begin(self) -> None:
         record = record_summary(self.scene)
@@ -89,20 +112,20 @@ class _Run:
         self._save(0)
         self._loop(0)
 
-    def from_checkpoint(self) -> dict[str, Any]:
-        """The rest of a run whose folder holds a checkpoint; returns the summary."""
-        parts, attributes = checkpoint.load_checkpoint(self.folder / "checkpoint.h5")
-        step = int(attributes["step"])
-        time = step * self.scene.time.step
-        self.results = ResultsWriter.resume(self.folder, until=time)
-        self.iterations = IterationLog.resume(self.folder, until=time)
-        self.tally.statistics = RunStatistics(**attributes["statistics"])
+    def from_checkpoint(self, saved: SavedRun) -> dict[str, Any]:
+        """The rest of the ``saved`` run; returns the summary."""
+        (self.folder / SUMMARY).unlink(missing_ok=True)  # of the part before
+        self.results = ResultsWriter.resume(
+            self.folder, until=saved.last_output, scene_toml=self._scene_as_written()
+        )
+        self.iterations = IterationLog.resume(self.folder, until=saved.step * self.scene.time.step)
+        self.tally.statistics = RunStatistics(**saved.statistics)
         self.clock -= self.tally.statistics.wall_s
 
         def begin() -> None:
-            self.energy.restore(parts.get("energy", {}))
-            self.sides.restore(parts, self.iterations.write)
-            self._loop(step)
+            self.energy.restore(saved.parts["energy"])
+            self.sides.restore(saved.parts, self.iterations.write)
+            self._loop(saved.step)
 
         return self._guarded(begin)
 
@@ -117,9 +140,9 @@ class _Run:
             self.tally.statistics.simulated_s = after
             if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
                 self._write(after, liquid, iterations, residual)
-            if (step + 1) % time.checkpoint_every == 0:
+            if (step + 1) % time.checkpoint_every == 0 or step + 1 == time.steps:
                 self._save(step + 1)
-            self.progress("shake", after, time.duration, self._text(iterations))
+            self.progress("shake", after, time.steps * time.step, self._text(iterations))
 
     def _text(self, iterations: int) -> str:
         if isinstance(self.sides.step, DryStep):
@@ -147,8 +170,10 @@ class _Run:
         parts = self.sides.save() | {"energy": self.energy.save()}
         self.tally.seconds("output", clock)
         self.tally.statistics.wall_s = perf_counter() - self.clock
-        attributes = {"step": step, "statistics": self.tally.statistics.to_dict()}
-        checkpoint.save_checkpoint(self.folder / "checkpoint.h5", parts, attributes)
+        save_run(
+            self.folder, self.content, step=step, rows=self.results.rows, parts=parts,
+            statistics=self.tally.statistics.to_dict(),
+        )  # fmt: skip
 
     def _guarded(self, body: Callable[[], None]) -> dict[str, Any]:
         """Run ``body`` and write the summary, however it ends."""
@@ -174,24 +199,5 @@ class _Run:
         self.tally.statistics.wall_s = perf_counter() - self.clock
         results = read_results(self.folder)
         summary = summarise(results, self.tally.statistics, self.scene, status, error)
-        write_json(self.folder / "summary.json", summary)
+        write_json(self.folder / SUMMARY, summary)
         return summary
-
-
-@contextmanager
-def _log_file(folder: Path) -> Iterator[None]:
-    """Everything logged while it is open also goes to ``log.txt`` of ``folder``."""
-    handler = logging.FileHandler(folder / "log.txt", encoding="utf-8")
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    ours = [logging.getLogger(name) for name in ("cloth", "coupling")]
-    levels = [logger.level for logger in ours]
-    for logger in ours:
-        logger.addHandler(handler)
-        logger.setLevel(logging.INFO)
-    try:
-        yield
-    finally:
-        for logger, level in zip(ours, levels, strict=True):
-            logger.removeHandler(handler)
-            logger.setLevel(level)
-        handler.close()

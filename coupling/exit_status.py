@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import functools
-import signal
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from enum import IntEnum
-from types import FrameType
 from typing import NoReturn, ParamSpec, cast
 
 import typer
 
+from coupling.atomic import UnreadableFile
 from coupling.foam.installation import OpenFoamMissing
+from coupling.folder_lock import FolderError
+from coupling.interrupts import STATUS, exit_at_once, raise_interrupt
 from coupling.json_output import one_object, print_failure
 from coupling.ports import RunFailed
-from coupling.run_folder import FolderError
 from coupling.scene import SceneError
 from coupling.sweep_plan import SweepError
 from coupling.verify import CaseError
@@ -23,6 +24,9 @@ from coupling.verify import CaseError
 P = ParamSpec("P")
 # The base of all that is wrong with a command line itself; typer names no other of them.
 USAGE_ERROR = cast(type[typer.BadParameter], typer.BadParameter.__base__)
+_WRONG_INPUT = (
+    SceneError, SweepError, FolderError, CaseError, OpenFoamMissing, UnreadableFile,
+)  # fmt: skip
 
 
 class ExitStatus(IntEnum):
@@ -31,12 +35,13 @@ class ExitStatus(IntEnum):
     DONE = 0
     FAILED = 1
     WRONG_INPUT = 2
-    INTERRUPTED = 130
+    INTERRUPTED = STATUS
 
 
 def stop(message: str, status: ExitStatus) -> NoReturn:
     """Say ``message`` on stderr and end the verb with ``status``."""
-    typer.echo(message, err=True)
+    with suppress(OSError):  # the terminal was closed
+        typer.echo(message, err=True)
     print_failure(message, status)
     raise typer.Exit(status)
 
@@ -50,9 +55,10 @@ def guarded(verb: Callable[P, None]) -> Callable[P, None]:
             checked(*args, **kwargs)
 
     def checked(*args: P.args, **kwargs: P.kwargs) -> None:
+        raise_interrupt()
         try:
             verb(*args, **kwargs)
-        except (SceneError, SweepError, FolderError, CaseError, OpenFoamMissing) as error:
+        except _WRONG_INPUT as error:
             stop(str(error), ExitStatus.WRONG_INPUT)
         except RunFailed as error:
             stop(str(error), ExitStatus.FAILED)
@@ -65,18 +71,9 @@ def guarded(verb: Callable[P, None]) -> Callable[P, None]:
     return guard
 
 
-def interrupt_on_sigterm() -> None:
-    """Let SIGTERM end a run as Ctrl-C does: what was computed is kept, and can be resumed."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGTERM, interrupt)
-
-
 def run_app(app: typer.Typer) -> NoReturn:
     """Run the command line; an interrupt outside of any verb ends it quietly too."""
-    interrupt_on_sigterm()
+    exit_at_once()
     try:
         status = app(prog_name="edt", standalone_mode=False)
     except USAGE_ERROR as error:

@@ -17,8 +17,8 @@ import numpy as np
 
 from coupling import results_layout as layout
 from coupling import xdmf
-from coupling.atomic import replacing, write_text
-from coupling.ports import Array, Ints, RunFailed
+from coupling.atomic import H5_ERRORS, UnreadableFile, replacing, write_text
+from coupling.ports import Array, Ints
 from coupling.run_record import Sample
 
 FILE = "results.h5"
@@ -69,12 +69,12 @@ def read_results(folder: Path | str) -> Results:
 
     Raises
     ------
-    RunFailed
-        There is none, or it is not one of ours.
+    UnreadableFile
+        There is none, it is cut, or it is not one of ours.
     """
     path = Path(folder) / FILE
     if not path.is_file():
-        raise RunFailed(f"{path}: no such file. Give the folder that `edt run` wrote to.")
+        raise UnreadableFile(f"{path}: no such file. Give the folder that `edt run` wrote to.")
     try:
         with h5py.File(path, "r") as file:
             metrics = file["metrics"]
@@ -88,8 +88,10 @@ def read_results(folder: Path | str) -> Results:
                 metric_units={name: str(metrics[name].attrs["unit"]) for name in metrics},
                 **{name: file[dataset][()] for dataset, (name, _) in layout.FIELDS.items()},
             )
-    except (OSError, KeyError) as error:
-        raise RunFailed(f"{path}: not a results file ({error}). Run the scene again.") from error
+    except H5_ERRORS as error:
+        raise UnreadableFile(
+            f"{path}: not a results file ({error}). Run the scene again."
+        ) from error
 
 
 class ResultsWriter:
@@ -100,22 +102,36 @@ class ResultsWriter:
     """
 
     def __init__(
-        self, folder: Path | str, *, scene_toml: str, model: str, reference: Array, triangles: Ints
+        self,
+        folder: Path | str,
+        *,
+        scene_toml: str,
+        model: str,
+        reference: Array,
+        triangles: Ints,
+        scene_hash: str = "",
     ) -> None:
         self._start(Path(folder))
         self._folder.mkdir(parents=True, exist_ok=True)
         (self._folder / XDMF_FILE).unlink(missing_ok=True)  # of an earlier run
         with replacing(self._path) as beside, h5py.File(beside, "w") as file:
-            attributes = {"version": _version(), "model": model, "scene": scene_toml}
+            attributes = {
+                "version": _version(), "model": model, "scene": scene_toml,
+                "scene_hash": scene_hash,
+            }  # fmt: skip
             layout.create(file, attributes, reference, triangles)
 
     @classmethod
-    def resume(cls, folder: Path | str, *, until: float) -> ResultsWriter:
+    def resume(
+        cls, folder: Path | str, *, until: float, scene_toml: str | None = None
+    ) -> ResultsWriter:
         """Go on with a folder's results after dropping the samples later than ``until`` [s].
+
+        ``scene_toml`` stands for the one that is in the file, if given.
 
         Raises
         ------
-        RunFailed
+        UnreadableFile
             The folder has no readable results.
         """
         times = read_times(folder)
@@ -123,13 +139,15 @@ class ResultsWriter:
         writer = cls.__new__(cls)
         writer._start(Path(folder))
         writer._written = keep
-        if keep < len(times):
+        if keep < len(times) or scene_toml is not None:
             # the list of times first: it must never name what results.h5 lacks
             writer._write_xdmf(times[:keep], *_sizes(writer._path))
             with replacing(writer._path) as beside:
                 shutil.copyfile(writer._path, beside)
                 with h5py.File(beside, "r+") as file:
                     layout.truncate(file, keep)
+                    if scene_toml is not None:
+                        file.attrs["scene"] = scene_toml
         return writer
 
     def _start(self, folder: Path) -> None:
@@ -139,6 +157,11 @@ class ResultsWriter:
         self._written = 0
         self._last_flush = -np.inf
         self._cost = 0.0
+
+    @property
+    def rows(self) -> int:
+        """Number of samples taken."""
+        return self._written + len(self._waiting)
 
     def append(self, sample: Sample) -> None:
         """Take one instant; it is in the file after the next ``flush`` at the latest."""
@@ -178,14 +201,24 @@ class ResultsWriter:
 
 
 def read_times(folder: Path | str) -> Array:
-    """The instants (T,) [s] in a folder's results; raises RunFailed where there are none."""
+    """The instants (T,) [s] in a folder's results; raises UnreadableFile where there are none."""
+    return _read(folder)[0]
+
+
+def read_scene_hash(folder: Path | str) -> str:
+    """Hash of the scene that a folder's results are of; raises UnreadableFile."""
+    return _read(folder)[1]
+
+
+def _read(folder: Path | str) -> tuple[Array, str]:
     path = Path(folder) / FILE
     try:
         with h5py.File(path, "r") as file:
-            times: Array = file["time"][()]
-    except (OSError, KeyError) as error:
-        raise RunFailed(f"{path}: no readable results ({error}). Run the scene again.") from error
-    return times
+            return file["time"][()], str(file.attrs.get("scene_hash", ""))
+    except H5_ERRORS as error:
+        raise UnreadableFile(
+            f"{path}: no readable results ({error}). Run the scene again."
+        ) from error
 
 
 def _version() -> str:

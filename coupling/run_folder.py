@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import tempfile
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
+from coupling.folder_lock import LOCK_FILE, FolderError, check_not_held
 from coupling.scene_source import SCENE_FILE
 
-# What a run writes and a new one replaces; the scene and its table are overwritten.
+# A run's copy of what it computes.
+_SCENE_FILES = frozenset({SCENE_FILE, "motion.csv", "thickness.csv"})
+# What a run writes beside it, and a new one replaces.
 _RUN_FILES = frozenset(
     {
         "results.h5",
@@ -25,11 +29,8 @@ _RUN_FILES = frozenset(
         "check",
     }
 )
-_MARKERS = frozenset({"results.h5", "summary.json", "checkpoint.h5", "study.json", "sweep.json"})
-
-
-class FolderError(Exception):
-    """A folder that cannot be used; the message says why and the mend."""
+_RUN_MARKERS = frozenset({"log.txt", "auto.json", "results.h5", "summary.json", "checkpoint.h5"})
+_CAMPAIGN_MARKERS = frozenset({"study.json", "sweep.json", "discretisation", "points"})
 
 
 def default_folder(scene_path: Path, suffix: str = "") -> Path:
@@ -46,23 +47,27 @@ def default_folder(scene_path: Path, suffix: str = "") -> Path:
 def prepare_folder(
     folder: Path, *, force: bool = False, study: Collection[str] | None = None
 ) -> None:
-    """Create ``folder`` and see that it can be written to.
+    """See that a new run, or the ``study`` that writes these names, can be written to ``folder``.
 
-    ``study`` names what a study or a sweep writes: a folder that holds nothing else is gone on
-    with, also where a kill left a file half written beside.
-    ``force`` removes an earlier run's or study's files from the folder, and nothing else.
-    ``FolderError`` where the folder holds anything else, or cannot be created or written.
+    ``folder`` exists. A study or a sweep goes on with a folder that holds nothing else, also where
+    a kill left a file half written beside; a run with one that a kill left without a scene.
+    ``force`` removes an earlier run's files, or the study's, from the folder, and nothing else.
+
+    Raises
+    ------
+    FolderError
+        The folder holds anything else, or cannot be written.
     """
     try:
-        held = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
-        held = {name for name in held if not (name[0] == "." and name.endswith(".partial"))}
-        if held and not force and not held <= set(study or ()):
-            raise FolderError(_occupied(folder, held))
-        folder.mkdir(parents=True, exist_ok=True)
+        held = _held(folder)
+        _check_fits(folder, held, study, force=force)
         with tempfile.TemporaryFile(dir=folder):
             pass
-        if force and held & _MARKERS:
-            for name in held & _RUN_FILES.union(study or ()):
+        if study is None and held & _RUN_MARKERS:
+            clear_run(folder)
+        elif study is not None and force and held & _CAMPAIGN_MARKERS:
+            check_not_held(folder)
+            for name in sorted(held & set(study)):
                 _remove(folder / name)
     except OSError as error:
         raise FolderError(
@@ -70,31 +75,83 @@ def prepare_folder(
         ) from error
 
 
+def _held(folder: Path) -> set[str]:
+    """Names in ``folder``, but for those that a kill may leave."""
+    names = {path.name for path in folder.iterdir()}
+    return {n for n in names if n != LOCK_FILE and not (n[0] == "." and n.endswith(".partial"))}
+
+
+def _check_fits(
+    folder: Path, held: set[str], study: Collection[str] | None, *, force: bool
+) -> None:
+    """Raise ``FolderError`` where ``held`` keeps a run, or the ``study``, out of ``folder``."""
+    begun = held & _RUN_MARKERS
+    foreign = {"a study or a sweep": held & _CAMPAIGN_MARKERS - set(study or ())}
+    if study is not None:
+        foreign["a run"] = begun
+        goes_on = held <= set(study)
+    else:
+        foreign["a scene"] = set() if begun else held & _SCENE_FILES
+        without_scene = {"log.txt", "auto.json"} | _SCENE_FILES - {SCENE_FILE}
+        goes_on = bool(begun) and held <= without_scene
+    for what, names in foreign.items():
+        if names and (force or what == "a study or a sweep"):
+            raise FolderError(
+                f"{folder}: holds {what}, which is not replaced. Give another folder with -o."
+            )
+    if held and not force and not goes_on:
+        raise FolderError(_occupied(folder, held))
+
+
 def _occupied(folder: Path, held: Collection[str]) -> str:
-    if "checkpoint.h5" in held:
-        what, mend = "holds a run", f"Go on with it: edt resume {folder}; or replace it: --force"
-    elif _MARKERS & set(held):
-        what, mend = "holds a run, a study or a sweep", "Replace it with --force"
+    if _RUN_MARKERS & set(held) and SCENE_FILE in held:
+        what = "holds a run"
+        mend = f"Go on with it: edt resume {shlex.quote(str(folder))}; or replace it: --force"
+    elif _CAMPAIGN_MARKERS & set(held):
+        what, mend = "holds a study or a sweep", "Replace it with --force"
     else:
         what, mend = "is not empty", "Write into it all the same with --force"
     return f"{folder}: {what}. {mend}; or give another folder with -o."
+
+
+def check_scene_outside(folder: Path, files: Iterable[Path], written: Collection[str] = ()) -> None:
+    """Raise ``FolderError`` where a run, or a study that has ``written``, would replace ``files``.
+
+    ``files``: the scene and what it names.
+    """
+    place, names = folder.resolve(), set(written) or _RUN_FILES | _SCENE_FILES
+    for file in map(Path.resolve, files):
+        if file.is_relative_to(place) and file.relative_to(place).parts[0] in names:
+            raise FolderError(
+                f"{folder}: the results would replace {file}, which the scene is read from. "
+                "Give another folder with -o."
+            )
+
+
+def clear_run(folder: Path) -> None:
+    """Remove what a run has written to ``folder``."""
+    for name in (
+        *sorted(_SCENE_FILES),
+        *sorted(_RUN_FILES),
+    ):  # a kill leaves no scene to go on with
+        _remove(folder / name)
 
 
 def _remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:
-        path.unlink()
+        path.unlink(missing_ok=True)
 
 
 def check_resumable(folder: Path) -> None:
-    """``FolderError`` unless ``folder`` holds a scene and a checkpoint."""
+    """``FolderError`` unless ``folder`` holds a run, which may have been stopped at any moment."""
     _check_exists(folder)
-    missing = [name for name in (SCENE_FILE, "checkpoint.h5") if not (folder / name).is_file()]
-    if missing:
+    held = _held(folder)
+    if SCENE_FILE not in held or not held & _RUN_MARKERS:
         raise FolderError(
-            f"{folder}: no run to go on with, {' and '.join(missing)} missing. "
-            "Give the folder of a run that wrote a checkpoint, or start one with edt run."
+            f"{folder}: no run to go on with. Give the folder of a run, or start one: "
+            f"edt run SCENE -o {shlex.quote(str(folder))}."
         )
 
 

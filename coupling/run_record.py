@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+from coupling.atomic import read_json
 from coupling.ports import Array
+
+SUMMARY = "summary.json"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,3 +79,17 @@ class RunStatistics:
     def to_dict(self) -> dict[str, Any]:
         """Plain values, for the checkpoint."""
         return dict(vars(self))
+
+
+def read_summary(folder: Path) -> dict[str, Any]:
+    """``summary.json`` of a run's folder; empty where there is none. Raises ``UnreadableFile``."""
+    path = folder / SUMMARY
+    if not path.is_file():
+        return {}
+    mend = f"Remove the file; edt resume {folder} writes it again."
+    return read_json(path, {"status": str, "steps": int}, mend)
+
+
+def is_whole(summary: Mapping[str, Any], steps: int) -> bool:
+    """Whether a run's ``summary`` says that all its ``steps`` are done."""
+    return summary.get("status") == "completed" and summary["steps"] >= steps

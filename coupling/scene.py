@@ -15,6 +15,7 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from coupling.atomic import replacing, write_text
 from coupling.scene_checks import problems_between
 from coupling.scene_diaphragm import Diaphragm
 from coupling.scene_errors import SceneError, problems_of
@@ -29,9 +30,9 @@ __all__ = [
     "SceneError",
     "load_scene",
     "plain_values",
-    "same_content",
     "scene_from",
     "scene_toml",
+    "tables_of",
     "with_overrides",
     "write_scene",
 ]
@@ -140,7 +141,7 @@ def plain_values(scene: Scene) -> dict[str, Any]:
     return data
 
 
-def _tables(scene: Scene) -> dict[tuple[str, str], Path]:
+def tables_of(scene: Scene) -> dict[tuple[str, str], Path]:
     """Files that the scene uses, by the section and key that name them."""
     files = {}
     for section, key in TABLE_FILES:
@@ -148,21 +149,6 @@ def _tables(scene: Scene) -> dict[tuple[str, str], Path]:
         if name is not None and (section != "motion" or scene.motion.kind == "table"):
             files[section, key] = Path(name)
     return files
-
-
-def same_content(one: Scene, other: Scene) -> bool:
-    """Whether two scenes ask for the same run, wherever the files lie that they name.
-
-    ``OSError`` where one cannot be read.
-    """
-
-    def content(scene: Scene) -> tuple[dict[str, Any], dict[tuple[str, str], bytes]]:
-        data, tables = plain_values(scene), _tables(scene)
-        for section, key in tables:
-            del data[section][key]
-        return data, {place: path.read_bytes() for place, path in tables.items()}
-
-    return content(one) == content(other)
 
 
 def scene_toml(scene: Scene) -> str:
@@ -174,15 +160,17 @@ def write_scene(scene: Scene, folder: Path) -> Path:
     """Write ``scene.toml`` into ``folder``, with copies of the files it names; returns its path.
 
     The folder can be moved and the scene run again from there: the files are named relative to it.
-    ``OSError`` where the folder cannot be written.
+    Each file appears whole or not at all, the scene last. ``RunFailed`` where the folder cannot be
+    written.
     """
     data = plain_values(scene)
-    contents = {place: path.read_bytes() for place, path in _tables(scene).items()}
+    contents = {place: path.read_bytes() for place, path in tables_of(scene).items()}
     for (section, key), content in contents.items():
         copy = folder / TABLE_FILES[section, key]
         if not copy.is_file() or copy.read_bytes() != content:
-            copy.write_bytes(content)
+            with replacing(copy) as beside:
+                beside.write_bytes(content)
         data[section][key] = copy.name
     file = folder / SCENE_FILE
-    file.write_text(tomli_w.dumps(data), encoding="utf-8")
+    write_text(file, tomli_w.dumps(data))
     return file

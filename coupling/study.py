@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import logging
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from coupling.atomic import write_json
+from coupling.atomic import UnreadableFile, write_json
 from coupling.driver import resume, run
+from coupling.folder_lock import held
 from coupling.ports import RunFailed
 from coupling.report import write_report
-from coupling.scene import Scene, load_scene, same_content
+from coupling.run_folder import clear_run
+from coupling.run_record import is_whole, read_summary
+from coupling.scene import Scene
+from coupling.scene_content import content_in, content_of
 from coupling.scene_errors import SceneError
 from coupling.study_plan import THESIS, Entry, ladder_rows, less_resolved, stretch_row, thesis_row
-from coupling.study_record import StudyRecord, read_summary
+from coupling.study_record import StudyRecord
 from coupling.warm_up import warm_up
 
 FILE = "study.json"
@@ -86,37 +89,37 @@ def _planned(rows: Sequence[Entry], record: StudyRecord, *, quick: bool) -> Iter
 def run_or_reuse(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:
     """Summary of ``scene`` run in ``folder``: of a complete run there, resumed, or made anew.
 
-    One that fails is told by its ``status`` and ``error``. ``folder`` is emptied where it holds
-    another scene.
+    One that fails has the ``status`` failed and an ``error``. Another scene's run is replaced.
+
+    Raises
+    ------
+    FolderError
+        Another process computes in ``folder``, or its checkpoint is of another scene.
+    UnreadableFile
+        A file of the run in ``folder`` is damaged.
     """
-    try:
-        if is_complete(scene, folder):
-            return read_summary(folder)
-        if same_scene_there(scene, folder):
-            known = read_summary(folder)
-            if known.get("status") != "failed" and (folder / "checkpoint.h5").is_file():
-                return resume(folder, progress=progress)
-        if (folder / "scene.toml").is_file():
-            shutil.rmtree(folder)
-        return run(scene, folder, progress=progress)
-    except RunFailed as error:
-        return {**read_summary(folder), "status": "failed", "error": str(error)}
+    if is_complete(scene, folder):
+        return read_summary(folder)
+    with held(folder):
+        try:
+            if same_scene_there(scene, folder) and read_summary(folder).get("status") != "failed":
+                return resume(folder, scene=scene, progress=progress)
+            clear_run(folder)
+            return run(scene, folder, progress=progress)
+        except UnreadableFile:
+            raise
+        except RunFailed as error:
+            return {**read_summary(folder), "status": "failed", "error": str(error)}
 
 
 def same_scene_there(scene: Scene, folder: Path) -> bool:
     """Whether ``folder`` holds a run of ``scene``, however far that came."""
-    if not (folder / "scene.toml").is_file():
-        return False
-    try:
-        there = load_scene(folder)
-    except SceneError:  # of another version
-        return False
-    return same_content(scene, there)
+    return (folder / "scene.toml").is_file() and content_in(folder) == content_of(scene)
 
 
 def is_complete(scene: Scene, folder: Path) -> bool:
     """Whether ``folder`` holds a run of ``scene`` that has ended well."""
-    return read_summary(folder).get("status") == "completed" and same_scene_there(scene, folder)
+    return is_whole(read_summary(folder), scene.time.steps) and same_scene_there(scene, folder)
 
 
 def _prefixed(progress: Progress | None, entry: Entry) -> Progress | None:

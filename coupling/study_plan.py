@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -70,6 +71,19 @@ def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
         resolution=AS_RUN,
         scene=_with(changed, "diaphragm", inextensible=not stiff),
     )
+
+
+def planned_runs(scene: Scene, models: Sequence[str], *, quick: bool) -> dict[Path, Scene]:
+    """The scene of each run that a study may make, by its folder within the study's.
+
+    Which row is the reference shows only later, so a ``quick`` one has all less resolved runs.
+    """
+    rows, beside = ladder_rows(scene, models), []
+    if not quick:
+        with suppress(SceneError):  # no such row then
+            rows.append(thesis_row(scene))
+        beside = [stretch_row(scene, models)]
+    return {entry.place: entry.scene for entry in [*rows, *beside, *less_resolved(rows)]}
 
 
 def less_resolved(entries: Iterable[Entry]) -> list[Entry]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -181,12 +180,3 @@ def _speedup(best: Summary | None, summary: Summary) -> float | None:
     if not best or summary.get("status") != "completed" or not summary.get("wall_s"):
         return None
     return float(best["wall_s"]) / float(summary["wall_s"]) if best.get("wall_s") else None
-
-
-def read_summary(folder: Path) -> dict[str, Any]:
-    """``summary.json`` of a run's folder; empty where there is none."""
-    path = folder / "summary.json"
-    if not path.is_file():
-        return {}
-    content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return content

@@ -11,12 +11,12 @@ from typing import Any
 from coupling.atomic import write_json, write_text
 from coupling.cost import run_cost
 from coupling.report import write_report
+from coupling.run_record import read_summary
 from coupling.study import Progress, is_complete
-from coupling.study_record import read_summary
-from coupling.sweep_plan import Plan, Point
+from coupling.sweep_plan import POINTS, Plan, Point
 from coupling.sweep_rows import row_of, sweep_csv, sweep_json
 
-FILE, TABLE, POINTS = "sweep.json", "sweep.csv", "points"
+FILE, TABLE = "sweep.json", "sweep.csv"
 _log = logging.getLogger(__name__)
 
 Summary = dict[str, Any]

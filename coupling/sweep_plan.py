@@ -15,6 +15,7 @@ import numpy as np
 from coupling.scene import Scene, SceneError, load_scene
 
 Value = float | int | bool | str
+POINTS = "points"  # folder of the runs
 MOST_PROBLEMS = 10
 _MEND = (
     "Give key=start:stop:count, key=start:stop:count:log or key=a,b,c, "
@@ -57,6 +58,15 @@ class Plan:
     axes: tuple[Axis, ...]
     models: tuple[str, ...]
     points: tuple[Point, ...]
+
+    @property
+    def runs(self) -> dict[Path, Scene]:
+        """The scene of each run, by its folder within the sweep's."""
+        return {
+            Path(POINTS) / point.name / model: scene
+            for point in self.points
+            for model, scene in point.scenes.items()
+        }
 
 
 def parse_axis(text: str) -> Axis:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.summary import summarise
 from coupling.ports import Array
 from coupling.results import Results, read_results
-from coupling.run_record import RunStatistics
+from coupling.run_record import RunStatistics, read_summary
 from coupling.scene import Scene, load_scene
 
 
@@ -51,13 +50,11 @@ class RunFiles:
 def read_run(folder: Path) -> RunFiles:
     """Read a run's folder; one still running, which has no summary yet, is summarised from here.
 
-    Raises RunFailed or SceneError where results or scene cannot be read.
+    Raises UnreadableFile or SceneError where results or scene cannot be read.
     """
     results, scene = read_results(folder), load_scene(folder)
-    path, iterations = folder / "summary.json", read_iterations(folder)
-    if path.is_file():
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    else:
+    summary, iterations = read_summary(folder), read_iterations(folder)
+    if not summary:
         counted = _counted(results, scene, iterations)
         summary = summarise(results, counted, scene, "unfinished", None)
     return RunFiles(

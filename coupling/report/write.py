@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-from coupling.atomic import write_text
+from coupling.atomic import read_json, write_text
 from coupling.report.files import read_run
 from coupling.report.page import html
 from coupling.report.run_report import run_page
@@ -14,6 +13,13 @@ from coupling.report.style import house_style
 from coupling.report.sweep_report import sweep_page
 
 FILE = "report.html"
+_OF_SWEEP = {
+    "title": str, "axes": list, "models": list, "reference": object, "points": int, "rows": list,
+}  # fmt: skip
+_OF_STUDY = {
+    "models": dict, "discretisation": dict, "reference": object, "advice": str,
+}  # fmt: skip
+_AGAIN = "Give the same edt {} command again: it writes the file anew from the runs."
 
 
 def write_report(folder: Path | str) -> Path:
@@ -23,16 +29,18 @@ def write_report(folder: Path | str) -> Path:
 
     Raises
     ------
-    RunFailed, SceneError
-        The folder's files cannot be read, or the page cannot be written.
+    UnreadableFile, SceneError
+        The folder's files cannot be read.
+    RunFailed
+        The page cannot be written.
     """
     folder = Path(folder)
     study, sweep = folder / "study.json", folder / "sweep.json"
     with house_style():
         if sweep.is_file():
-            page = sweep_page(folder, json.loads(sweep.read_text(encoding="utf-8")))
+            page = sweep_page(folder, read_json(sweep, _OF_SWEEP, _AGAIN.format("sweep")))
         elif study.is_file():
-            page = study_page(folder, json.loads(study.read_text(encoding="utf-8")))
+            page = study_page(folder, read_json(study, _OF_STUDY, _AGAIN.format("study")))
         else:
             page = run_page(read_run(folder))
     path = folder / FILE

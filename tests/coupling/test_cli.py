@@ -70,6 +70,7 @@ def driver(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
         progress("shaking", 0.25, 0.5, "2 iterations")
         progress("shaking", 0.5, 0.5, "2 iterations")
         (folder / "checkpoint.h5").touch()
+        (folder / "scene.toml").touch()
         return SUMMARY
 
     def resume(folder, *, progress=None):
@@ -131,7 +132,7 @@ def test_force_touches_nothing_in_a_folder_that_holds_no_run(case: Path, driver)
 
 
 def test_resume_goes_on_in_the_folder(case: Path, driver):
-    (case / "checkpoint.h5").touch()
+    (case / "log.txt").touch()
     assert edt("resume", case).exit_code == 0
     assert driver.calls == [(None, case)]
 

@@ -20,9 +20,9 @@ from small_scene import SMALL
 from typer.testing import CliRunner
 
 from coupling.cli import app
+from coupling.run_record import read_summary
 from coupling.scene import load_scene
 from coupling.study import run_or_reuse
-from coupling.study_record import read_summary
 from coupling.sweep import run_sweep
 from coupling.sweep_plan import Plan, SweepError, parse_axis, plan_sweep
 from coupling.sweep_workers import local_workers, outcome_of

@@ -83,6 +83,7 @@ def a_file_in_the_way(place: Path) -> None:
 def an_old_run(place: Path) -> None:
     (place / "old").mkdir()
     (place / "old" / "checkpoint.h5").touch()
+    (place / "old" / "scene.toml").touch()
 
 
 def binary(place: Path) -> None:
@@ -159,7 +160,7 @@ WRONG = {
     "unwritable output": (a_file_in_the_way, "run case -o taken/run", "cannot be written"),
     "output is a file": (a_file_in_the_way, "run case -o taken", "cannot be written"),
     "output in use": (an_old_run, "run case -o old", "Go on with it: edt resume old"),
-    "output is the case": (nothing, "run case -o case", "is not empty"),
+    "output is the case": (nothing, "run case -o case", "would replace"),
     "bad --set": (nothing, "run case --set fill_fraction", "must be key=value"),
     "--set of nothing": (nothing, "run case --set =3", "must be key=value"),
     "--set unknown": (nothing, "run case --set liquid.fil_fraction=1", "Did you mean fill_fract"),
@@ -215,7 +216,7 @@ def test_wrong_input_is_told_and_nothing_starts(name: str, place: Path):
 )
 def test_without_openfoam_nothing_starts(command: str, place: Path, monkeypatch):
     replace('"hydrostatic"', '"openfoam"')(place)
-    (place / "case" / "checkpoint.h5").touch()
+    (place / "case" / "log.txt").touch()
     monkeypatch.setenv("PATH", str(place))
     result = CliRunner().invoke(app, command.split())
     assert result.exit_code == 2

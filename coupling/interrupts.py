@@ -1,0 +1,46 @@
+"""Ctrl-C, SIGTERM and SIGHUP: all of them end a verb as an interrupt, with status 130."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from types import FrameType
+
+STATUS = 130
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def exit_at_once() -> None:
+    """Let an interrupt end the process at once, while nothing is there to be kept.
+
+    An exception within an import, above all of compiled modules, may come out as another one.
+    """
+    for number in _SIGNALS:
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup has it
+            signal.signal(number, _exit)
+
+
+def raise_interrupt() -> None:
+    """From ``exit_at_once`` on, let an interrupt raise ``KeyboardInterrupt``: results are kept.
+
+    Further SIGTERM and SIGHUP are then ignored: a closing terminal, or a batch system, may send
+    several while the summary is written.
+    """
+    for number in _SIGNALS:
+        if signal.getsignal(number) is _exit:
+            signal.signal(number, _raise)
+
+
+def _exit(number: int, frame: FrameType | None) -> None:
+    try:
+        os.write(sys.__stderr__.fileno() if sys.__stderr__ else 2, b"interrupted\n")
+    finally:
+        os._exit(STATUS)
+
+
+def _raise(number: int, frame: FrameType | None) -> None:
+    for other in _SIGNALS:
+        if other != signal.SIGINT and signal.getsignal(other) is _raise:
+            signal.signal(other, signal.SIG_IGN)
+    raise KeyboardInterrupt
