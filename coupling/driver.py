@@ -103,6 +103,8 @@ class _Run:
                 _log.warning("%s", warning)
         if self.burst is not None:
             _log.warning("%s The run goes on with a sheet that cannot.", self.burst)
+        if self.scene.time.beyond:
+            _log.info("%s", self.scene.time.beyond)
         self.progress("settle", 0.0, self.scene.time.settle, "the diaphragm sinks to its level")
         self.sides.settle()
         self.progress("settle", self.scene.time.settle, self.scene.time.settle, "settled")
@@ -142,7 +144,7 @@ class _Run:
                 self._write(after, liquid, iterations, residual)
             if (step + 1) % time.checkpoint_every == 0 or step + 1 == time.steps:
                 self._save(step + 1)
-            self.progress("shake", after, time.steps * time.step, self._text(iterations))
+            self.progress("shake", after, time.end, self._text(iterations))
 
     def _text(self, iterations: int) -> str:
         if isinstance(self.sides.step, DryStep):

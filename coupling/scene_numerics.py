@@ -5,6 +5,7 @@ Descriptions complete the sentence "Give the ...", as in ``scene_sections``.
 
 from __future__ import annotations
 
+import math
 from typing import Any, Literal
 
 from pydantic import Field, model_validator
@@ -16,6 +17,7 @@ MOST_RINGS = 200
 MOST_PROCESSORS = 256
 FEWEST_STEPS_A_PERIOD = 20
 MOST = 1_000_000  # of what is counted: no run comes near it
+_WHOLE = 1e-3  # steps: what a number of a few digits may miss a whole one by
 
 
 class Cloth(Section):
@@ -149,7 +151,7 @@ class Time(Section):
     )
     duration: float = Field(
         gt=0,
-        description="simulated time after settling [s]",
+        description="simulated time after settling [s], reached in whole steps",
         json_schema_extra={"instead": "the periods of a sine to simulate"},
     )
     step: float = Field(default=0.005, gt=0, description="time step [s]")
@@ -171,5 +173,20 @@ class Time(Section):
 
     @property
     def steps(self) -> int:
-        """Number of steps that reach the duration."""
-        return max(1, round(self.duration / self.step))
+        """Number of whole steps that reach the duration, to a thousandth of a step."""
+        return max(1, math.ceil(self.duration / self.step - _WHOLE))
+
+    @property
+    def end(self) -> float:
+        """Time at the end of the last step [s]."""
+        return self.steps * self.step
+
+    @property
+    def beyond(self) -> str:
+        """What a user should know where the last step ends after the duration; else empty."""
+        if abs(self.duration / self.step - self.steps) <= _WHOLE:
+            return ""
+        return (
+            f"time.duration: {self.duration:g} s is no whole number of steps of {self.step:g} s: "
+            f"{self.steps} are computed, to {self.end:g} s."
+        )

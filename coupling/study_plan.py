@@ -99,7 +99,7 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     """The scene with half the cells, and with the doubled step; the output's instants stay.
 
     A step that a scene may not have is halved instead: a motion takes 20 steps in a period, a
-    duration whole steps. A coarser grid that may not be is left out.
+    table reaches to the last one's end. A coarser grid that may not be is left out.
 
     Half the cells are the flow's where there is one, as near as its meshes come to that, else half
     the diaphragm's triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it

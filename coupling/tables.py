@@ -208,9 +208,9 @@ def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
         print(f"{record.says}.")
         for warning in record.warnings:
             print(f"warning: {warning}")
-    burst = burst_warning(scene)
-    if burst is not None:
-        print(burst)
+    for said in (burst_warning(scene), scene.time.beyond):
+        if said:
+            print(said)
     print(f"advised: {choice.fluid} (the scene says {scene.model.fluid}). {choice.reason}.")
 
 

@@ -19,6 +19,7 @@ from coupling.scene import (
     write_scene,
 )
 from coupling.scene_content import content_of
+from coupling.scene_numerics import Time
 
 PAD_SWAY = """\
 title = "Pad sway"
@@ -378,3 +379,22 @@ def test_seconds_on_the_command_line_replace_periods(folder: Path):
 def test_periods_that_cannot_be_used_are_refused(folder: Path, change: tuple[str, str], says: str):
     (folder / "scene.toml").write_text(IN_PERIODS.replace(*change))
     assert says in "\n".join(problems(folder))
+
+
+@pytest.mark.parametrize(
+    ("duration", "step", "steps"),
+    [(0.025, 0.01, 3), (0.3, 0.1, 3), (0.021, 0.01, 3), (1.0, 0.0333333, 30), (0.7, 0.1, 7)],
+)
+def test_a_duration_is_reached_in_whole_steps(duration: float, step: float, steps: int):
+    """Of 0.025 s at 0.01 s, 0.02 s were computed, and called completed."""
+    time = Time(duration=duration, step=step)
+    assert time.steps == steps
+    assert time.end >= duration * (1.0 - 1e-5)
+    assert bool(time.beyond) == (steps == 3 and duration != 0.3)
+
+
+@pytest.mark.parametrize("frequency", [0.3, 0.7, 1.1, 1.3, 2.9, 3.7])
+@pytest.mark.parametrize("per_period", [20, 33, 70])
+def test_whole_periods_are_whole_steps(frequency: float, per_period: int):
+    time = Time(duration=7 / frequency, step=1.0 / per_period / frequency)
+    assert (time.steps, time.beyond) == (7 * per_period, "")
