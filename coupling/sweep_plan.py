@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from coupling.cost import run_cost
 from coupling.scene import Scene, SceneError, load_scene
 
-Value = float | int | bool | str
+Value = float | int | bool | str | list[float | int]
 POINTS = "points"  # folder of the runs
 MOST_PROBLEMS = 10
 _MEND = (
     "Give key=start:stop:count, key=start:stop:count:log or key=a,b,c, "
     "such as motion.frequency=0.1:4:12:log."
 )
+MOST_RUNS = 10_000
+_MOST_VALUES = 1_000_000  # of an axis: beyond, the cost is not even estimated
 
 
 class SweepError(ValueError):
@@ -72,8 +77,9 @@ class Plan:
 def parse_axis(text: str) -> Axis:
     """Axis from ``key=start:stop:count``, ``key=start:stop:count:log`` or ``key=a,b,c``.
 
-    Both ends belong to a range. Values are rounded to 12 digits, and whole numbers where the ends
-    are written so and all values between are. Whether the scene knows the key is not checked.
+    Values may be lists, as in ``key=[1,0,0],[0,1,0]``. Both ends belong to a range. Values are
+    rounded to 12 digits, and whole numbers where the ends are written so and all values between
+    are. Whether the scene knows the key is not checked.
     Raises ``SweepError``.
     """
     key, equals, given = (part.strip() for part in text.partition("="))
@@ -82,8 +88,9 @@ def parse_axis(text: str) -> Axis:
     if ":" in given:
         values, logarithmic = _range(text, given.split(":"))
     else:
-        values, logarithmic = tuple(_scalar(part.strip()) for part in given.split(",")), False
-    twice = sorted({str(value) for value in values if values.count(value) > 1})
+        values, logarithmic = tuple(map(_value, _parts(given))), False
+    counts = Counter(json.dumps(value) for value in values)
+    twice = sorted(value for value, count in counts.items() if count > 1)
     if twice:
         raise SweepError(f"--over {text}: gives {', '.join(twice)} twice. Leave one out.")
     return Axis(key=key, values=values, logarithmic=logarithmic)
@@ -99,6 +106,10 @@ def _range(text: str, parts: Sequence[str]) -> tuple[tuple[Value, ...], bool]:
         raise SweepError(
             f"--over {text}: must be numbers, the count a whole one. {_MEND}"
         ) from None
+    if count > _MOST_VALUES:
+        raise SweepError(
+            f"--over {text}: {count:,} values are too many; a sweep has at most {MOST_RUNS:,} runs."
+        )
     if count < 2 or not np.isfinite([start, stop]).all():
         raise SweepError(f"--over {text}: needs finite ends and a count of 2 or more. {_MEND}")
     if logarithmic and not (start > 0.0 and stop > 0.0):
@@ -113,13 +124,19 @@ def _range(text: str, parts: Sequence[str]) -> tuple[tuple[Value, ...], bool]:
     return tuple(values), logarithmic
 
 
-def _scalar(text: str) -> Value:
-    """A TOML number, truth value or quoted string; anything else as it stands."""
+def _parts(given: str) -> list[str]:
+    """``given`` at its commas outside of brackets."""
+    return [part.strip() for part in re.split(r",(?![^\[\]]*\])", given)]
+
+
+def _value(text: str) -> Value:
+    """A TOML number, truth value, quoted string or list of numbers; anything else as it stands."""
     try:
         value = tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
-    return value if isinstance(value, float | int | bool | str) else text
+    numbers = isinstance(value, list) and all(isinstance(item, float | int) for item in value)
+    return value if numbers or isinstance(value, float | int | bool | str) else text
 
 
 def plan_sweep(
@@ -132,7 +149,8 @@ def plan_sweep(
     Raises
     ------
     SweepError
-        No axis, one key on two axes, the model as an axis, or two values that give the same folder.
+        No axis, one key on two axes, the model as an axis, two values that give the same folder,
+        or more than ``MOST_RUNS`` runs.
     SceneError
         A point's scene is invalid: each different problem once, with the first point that has it.
     """
@@ -144,6 +162,7 @@ def plan_sweep(
             "--over model.fluid: every point runs on all models. "
             "Name them instead, such as --models hydrostatic,openfoam."
         )
+    _check_size(scene_path, changes, axes, models)
     points: list[Point] = []
     problems: dict[str, str] = {}
     for combined in itertools.product(*(axis.values for axis in axes)):
@@ -160,6 +179,23 @@ def plan_sweep(
         raise SceneError(_told(problems, keys))
     _check_names(points)
     return Plan(axes=tuple(axes), models=tuple(models), points=tuple(points))
+
+
+def _check_size(
+    scene_path: Path, changes: Sequence[str], axes: Sequence[Axis], models: Sequence[str]
+) -> None:
+    """Refuse a grid that is too large, with what it would cost by its first point."""
+    runs = math.prod(len(axis.values) for axis in axes) * len(models)
+    if runs <= MOST_RUNS:
+        return
+    first = {axis.key: axis.values[0] for axis in axes}
+    scenes = [_scene_at(scene_path, changes, first, model) for model in models]
+    mean = sum(run_cost(scene, scene.model.fluid) for scene in scenes) / len(scenes)
+    raise SweepError(
+        f"--over: {runs:,} runs, some {mean * runs / 86400.0:,.1f} days of one core by the first "
+        f"point's estimate, are more than {MOST_RUNS:,}. Give fewer values, or split them over "
+        "several sweeps."
+    )
 
 
 def _scene_at(
@@ -185,8 +221,12 @@ def _label(values: dict[str, Value]) -> str:
 
 def _name(values: dict[str, Value]) -> str:
     """A folder's name: keys and values, in letters that every file system and OpenFOAM take."""
-    parts = (f"{key}_{value}" for key, value in values.items())
+    parts = (f"{key}_{_in_name(value)}" for key, value in values.items())
     return re.sub(r"[^\w.+-]", "-", "__".join(parts))
+
+
+def _in_name(value: Value) -> str:
+    return "_".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _check_names(points: Sequence[Point]) -> None:

@@ -34,6 +34,7 @@ def path(tmp_path: Path) -> Path:
         ("a.b = 0.1, 1e-3,2", (0.1, 1e-3, 2)),
         ("a.b=aitken,iqn-ils", ("aitken", "iqn-ils")),
         ('a.b="x",true', ("x", True)),
+        ("a.b=[1,0,0],[0.5, 1,0]", ([1, 0, 0], [0.5, 1, 0])),
     ],
 )
 def test_an_axis_is_a_range_or_a_list(text: str, values: tuple[object, ...]) -> None:
@@ -110,3 +111,27 @@ def test_what_cannot_be_a_grid_is_refused(path: Path) -> None:
         plan_sweep(path, (), [parse_axis("motion.freqency=1,2")], ("hydrostatic", "potential"))
     with pytest.raises(SweepError, match="would share the folder title_a-b"):
         plan_sweep(path, (), [parse_axis("title=a/b,a b")], ("hydrostatic", "potential"))
+
+
+def test_an_axis_of_lists_gives_scenes_and_folders(path: Path) -> None:
+    """It was taken apart at the commas within the brackets: 'gives 0] twice'."""
+    axis = parse_axis("motion.direction=[1,0,0],[0,1,0],[-1,0,0]")
+    plan = plan_sweep(path, (), [axis], ("hydrostatic",))
+    assert [point.name for point in plan.points] == [
+        "motion.direction_1_0_0", "motion.direction_0_1_0", "motion.direction_-1_0_0",
+    ]  # fmt: skip
+    assert plan.points[1].scenes["hydrostatic"].motion.direction == (0, 1, 0)
+    with pytest.raises(SweepError, match=r"gives \[1, 0, 0\] twice"):
+        parse_axis("motion.direction=[1,0,0],[0,1,0],[1,0,0]")
+
+
+def test_an_enormous_grid_is_refused_with_its_cost(path: Path) -> None:
+    for over in (
+        ["tank.radius=0.2:0.3:1000000"],
+        ["tank.radius=0.2:0.3:1000", "cloth.drag=1:9:1000"],
+    ):
+        axes = [parse_axis(text) for text in over]
+        with pytest.raises(SweepError, match=r"2,000,000 runs, some [\d,.]+ days of one core"):
+            plan_sweep(path, (), axes, ("hydrostatic", "potential"))
+    with pytest.raises(SweepError, match="1,000,000,000,000 values are too many"):
+        parse_axis(f"{radius}:1000000000000")
