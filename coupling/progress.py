@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -56,10 +57,15 @@ class RunProgress:
         trace: TracebackType | None,
     ) -> None:
         if self._bar is not None:
-            self._bar.stop()
+            with suppress(OSError):
+                self._bar.stop()
 
     def __call__(self, stage: str, done: float, total: float, text: str) -> None:
-        """Show how far ``stage`` is."""
+        """Show how far ``stage`` is, where there still is somebody to see it."""
+        with suppress(OSError):  # a terminal that was closed does not end a run
+            self._show(stage, done, total, text)
+
+    def _show(self, stage: str, done: float, total: float, text: str) -> None:
         if self._bar is None:
             self._line(stage, done, total, text)
         elif self._task is None or stage != self._stage:

@@ -172,7 +172,7 @@ def test_an_interrupted_run_exits_130_and_says_how_to_go_on(case: Path, driver):
     assert "Go on with: edt resume out" in result.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_signals_end_a_run_with_130(case: Path, number: signal.Signals):
     program = """
 import sys, time, types
