@@ -21,7 +21,7 @@ from coupling.scene_source import SCENE_FILE, read_toml
 FREE_KEYS = frozenset(
     {
         "title", "time.output_every", "time.checkpoint_every", "openfoam.keep_alive",
-        "openfoam.timeout",
+        "openfoam.timeout", "openfoam.write_fields",
     }
 )  # fmt: skip
 DURATION = "time.duration"

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from coupling.cli import app
+from coupling.foam.rehearsal import rehearse
 
 SCENE = """\
 [tank]
@@ -215,6 +216,7 @@ def test_wrong_input_is_told_and_nothing_starts(name: str, place: Path):
     ["run case", "check case", "study case --models datum,openfoam", "resume case"],
 )
 def test_without_openfoam_nothing_starts(command: str, place: Path, monkeypatch):
+    rehearse.cache_clear()
     replace('"hydrostatic"', '"openfoam"')(place)
     (place / "case" / "log.txt").touch()
     monkeypatch.setenv("PATH", str(place))
