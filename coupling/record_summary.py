@@ -104,9 +104,10 @@ def _gap_warnings(table: MotionTable) -> list[str]:
     median = float(np.median(steps))
     if len(table.time) < _ENOUGH:
         return []
-    wide = steps > _GAP * median
+    changed = np.any(table.acceleration[1:] != table.acceleration[:-1], axis=1)
+    wide = (steps > _GAP * median) & changed  # across the others the tank coasts
     if wide.any():
-        longest = int(np.argmax(steps))
+        longest = int(np.argmax(steps * wide))
         return [
             f"the record has gaps, {int(wide.sum())} in all, the longest of {steps[longest]:.3g} s "
             f"from t = {table.time[longest]:.4g} s. Fill them, or accept that it is linear there."
