@@ -43,6 +43,12 @@ class Section(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
+    def __getstate__(self) -> dict[Any, Any]:
+        """Without the tables that were read: another process reads them itself."""
+        state = super().__getstate__()
+        values = state["__dict__"]
+        return state | {"__dict__": {key: values[key] for key in type(self).model_fields}}
+
     @field_validator("*", mode="after")
     @classmethod
     def _of_a_size(cls, value: Any) -> Any:

@@ -12,6 +12,7 @@ from pathlib import Path
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _DATE = re.compile(r"\d{4}-\d\d-\d\d.*|\d{1,2}:\d\d:\d\d.*")
 _NOTHING = {"", "nan", "na", "n/a", "null", "-", "inf", "-inf"}
+_LONGEST = 10_000  # characters of a line
 _SAMPLE = 100  # lines looked at, of the beginning, the middle and the end each
 COMMENT = ("#", "%", "//")
 
@@ -35,7 +36,15 @@ def read_lines(path: Path) -> list[str]:
         raise TableError(f"{path}: is not a text file. Export it as CSV, in UTF-8.") from error
     if "\0" in text:
         raise TableError(f"{path}: is not a text file. Export it as CSV, in UTF-8.")
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    longest = max(map(len, lines))
+    if longest > _LONGEST:
+        number = 1 + next(k for k, line in enumerate(lines) if len(line) == longest)
+        raise TableError(
+            f"{path}: line {number}: holds {longest} characters, at most {_LONGEST} are read. "
+            "Export a table with one sample a line."
+        )
+    return lines
 
 
 def _decoded(data: bytes) -> str:

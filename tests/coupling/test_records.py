@@ -1,6 +1,7 @@
 """Records as loggers write them: each is read rightly and said, or refused with line and mend."""
 
 import json
+import pickle
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -192,6 +193,7 @@ REFUSED = {
     ),
     "two lines below the names": (NAMES + "s,g,g,g\nu,raw,raw,raw\n" + lines(), "line 3: stands"),
     "quote left open": (NAMES + lines() + '0.2,"1,2,3\n', "line 22: a quote is not closed"),
+    "one line": ("1," * 10_000, "line 1: holds 20000 characters.*one sample a line"),
     "binary": ("PK\0\1\n", r"is not a text file\. Export it as CSV"),
     "empty": ("", "holds 0 lines of numbers, at least 2 are needed"),
     "names alone": (NAMES, "holds 0 lines of numbers"),
@@ -272,6 +274,16 @@ def test_power_that_the_step_does_not_carry_is_said(tmp_path: Path, frequency, s
     assert "at 1000 Hz, 0 to 1 s" in summary.says
     peak = G * np.abs(wave).max()
     assert f"peak ({peak:.3g}, 0, 0) m/s^2" in summary.says
+
+
+def test_a_scene_goes_to_another_process_without_its_record(tmp_path: Path):
+    time = np.arange(0.0, 1.0, 0.001)
+    shaken = scene(written(tmp_path / "m.csv", time, np.column_stack([0 * time] * 3)))
+    assert shaken.motion.record is shaken.motion.record
+    sent = pickle.dumps(shaken)
+    assert len(sent) < 4000  # the record alone is 32,000 bytes
+    assert pickle.loads(sent) == shaken
+    assert len(pickle.loads(sent).motion.record.time) == 1000
 
 
 def test_check_says_what_it_read_and_reads_it_once(tmp_path: Path, monkeypatch):
