@@ -195,7 +195,7 @@ def check(
             }
         )
     else:
-        print_check(scene, numbers, choice)
+        print_check(scene, numbers, choice, record)
 
 
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(verify)

@@ -14,7 +14,7 @@ from coupling.cost import fields_size, run_time
 from coupling.foam.mesh import cells_made
 from coupling.model_errors import Choice, estimates
 from coupling.numbers import Numbers
-from coupling.record_summary import record_summary
+from coupling.record_summary import RecordSummary
 from coupling.scene import Scene
 from coupling.strength import burst_warning
 from coupling.verify import VerifyResult
@@ -151,7 +151,9 @@ def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:
     }
 
 
-def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
+def print_check(
+    scene: Scene, numbers: Numbers, choice: Choice, record: RecordSummary | None
+) -> None:
     """Dimensionless numbers, model errors and costs of a scene."""
     names = {
         "level": "level h/R",
@@ -203,7 +205,6 @@ def print_check(scene: Scene, numbers: Numbers, choice: Choice) -> None:
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "
         f"is taut{left_out}."
     )
-    record = record_summary(scene)
     if record is not None:
         print(f"{record.says}.")
         for warning in record.warnings:
