@@ -57,12 +57,13 @@ def study(
     """Run one scene on several fluid models: errors against the best, speed against error."""
     chosen = chosen_models(models)
     scene = load_scene(scene_path, changes or ())
+    planned = planned_runs(scene, chosen, quick=quick)
     need_openfoam(scene, chosen)
     folder = output or default_folder(scene_path, "-study")
     check_scene_outside(folder, [scene_file(scene_path), *tables_of(scene).values()], STUDY_FILES)
     with held(folder):
         prepare_folder(folder, force=force, study=STUDY_FILES)
-        check_same_plan(folder, planned_runs(scene, chosen, quick=quick), STUDY_RUNS, force=force)
+        check_same_plan(folder, planned, STUDY_RUNS, force=force)
         from coupling.study import run_study
 
         with resumable(folder, again()), RunProgress() as progress:

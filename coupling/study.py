@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,15 @@ from coupling.run_record import is_whole, read_summary
 from coupling.scene import Scene
 from coupling.scene_content import content_in, content_of
 from coupling.scene_errors import SceneError
-from coupling.study_plan import THESIS, Entry, ladder_rows, less_resolved, stretch_row, thesis_row
+from coupling.study_plan import (
+    THESIS,
+    Entry,
+    ladder_rows,
+    less_resolved,
+    stretch_name,
+    stretch_row,
+    thesis_row,
+)
 from coupling.study_record import StudyRecord
 from coupling.warm_up import warm_up
 
@@ -70,11 +79,16 @@ def _rows(scene: Scene, models: Sequence[str], record: StudyRecord, *, quick: bo
     rows = ladder_rows(scene, models)
     if quick:
         return rows
-    try:
-        rows.append(thesis_row(scene))
-    except SceneError as error:
-        record.add_impossible(THESIS, str(error))
-    return [*rows, stretch_row(scene, models)]
+    further: dict[str, Callable[[Scene], Entry]] = {
+        THESIS: thesis_row,
+        stretch_name(scene): partial(stretch_row, models=models),
+    }
+    for name, row in further.items():
+        try:
+            rows.append(row(scene))
+        except SceneError as error:
+            record.add_impossible(name, str(error))
+    return rows
 
 
 def _planned(rows: Sequence[Entry], record: StudyRecord, *, quick: bool) -> Iterator[Entry]:

@@ -38,9 +38,13 @@ class Entry:
 
 
 def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
-    """The scene with each of ``models``, the cheapest first."""
+    """The scene with each of ``models``, the cheapest first. ``SceneError`` where it takes none."""
+
+    def with_model(model: str) -> Scene:
+        return scene_from(plain_values(_with(scene, "model", fluid=model)), f"--models {model}")
+
     return [
-        Entry(row=model, resolution=AS_RUN, scene=_with(scene, "model", fluid=model))
+        Entry(row=model, resolution=AS_RUN, scene=with_model(model))
         for model in sorted(models, key=LADDER.index)
     ]
 
@@ -61,15 +65,15 @@ def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
     """The scene with a diaphragm that stretches, or does not where the scene's own does.
 
     On the highest of ``models`` but openfoam, for the cost: what stretching does is read against
-    the same model, not against the reference.
+    the same model, not against the reference. ``SceneError`` where the scene cannot stretch.
     """
     cheap = [model for model in models if model != "openfoam"] or list(models)
     stiff = scene.diaphragm.inextensible
     changed = _with(scene, "model", fluid=max(cheap, key=LADDER.index))
     return Entry(
-        row=STRETCH[stiff],
+        row=stretch_name(scene),
         resolution=AS_RUN,
-        scene=_with(changed, "diaphragm", inextensible=not stiff),
+        scene=scene_from(plain_values(_with(changed, "diaphragm", inextensible=not stiff))),
     )
 
 
@@ -82,8 +86,14 @@ def planned_runs(scene: Scene, models: Sequence[str], *, quick: bool) -> dict[Pa
     if not quick:
         with suppress(SceneError):  # no such row then
             rows.append(thesis_row(scene))
-        beside = [stretch_row(scene, models)]
+        with suppress(SceneError):
+            beside = [stretch_row(scene, models)]
     return {entry.place: entry.scene for entry in [*rows, *beside, *less_resolved(rows)]}
+
+
+def stretch_name(scene: Scene) -> str:
+    """Name of the row of ``stretch_row``."""
+    return STRETCH[scene.diaphragm.inextensible]
 
 
 def less_resolved(entries: Iterable[Entry]) -> list[Entry]:

@@ -114,6 +114,14 @@ def test_a_study_runs_only_scenes_that_can_be_read_again() -> None:
     assert bars["shape_rms"] == pytest.approx(0.04)
 
 
+def test_a_model_that_the_scene_cannot_have_is_refused_before_anything_runs(tmp_path: Path) -> None:
+    """It was a traceback from the thesis' cloth."""
+    thesis = ['cloth.grid="thesis"', "cloth.resolution=10", 'model.fluid="datum"']
+    with pytest.raises(SceneError, match=r"--models hydrostatic: cloth.grid"):
+        run_study(with_overrides(run.scene(), thesis), ("datum", "hydrostatic"), tmp_path)
+    assert not list(tmp_path.rglob("results.h5"))
+
+
 def test_a_coarse_scene_with_half_the_cells_can_be_read_again() -> None:
     """The mesh below 540 cells has 176; below that there is none, and no coarser scene."""
     scene = with_overrides(run.scene(), ["model.fluid=openfoam", "openfoam.cells=540"])
