@@ -14,6 +14,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from coupling.report.plotting import default_settings
+
 # Okabe & Ito's palette, which the colour-blind can tell apart
 MODEL_COLOURS = {
     "datum": "#CC79A7",
@@ -64,8 +66,9 @@ _STYLE: Any = {
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Matplotlib settings of the report, within the block only."""
-    with mpl.rc_context(_STYLE):
+    """Matplotlib settings of the report and its defaults, within the block only."""
+    with default_settings():
+        mpl.rcParams.update(_STYLE)
         yield
 
 
