@@ -7,6 +7,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from cloth.compiled_cache import cache_of
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -17,4 +19,6 @@ def compiled(function: Function) -> Function:
     bits when it comes from the cache than when it was just compiled, and no resumed run would
     repeat the first. It costs nothing here: memory and square roots bound these loops.
     """
-    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+    dispatcher: Any = numba.njit(error_model="numpy")(function)
+    dispatcher._cache = cache_of(function)
+    return cast(Function, dispatcher)

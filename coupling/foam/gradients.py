@@ -13,9 +13,9 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numba
 import numpy as np
 
+from cloth.compiled import compiled
 from coupling.foam.geometry import CellGeometry
 from coupling.foam.mesh import LiquidMesh
 from coupling.ports import Array, Ints
@@ -104,7 +104,7 @@ def wall_pressure(mesh: LiquidMesh, geometry: CellGeometry, pressure: Array, rat
     return np.asarray(wall - float(wall[: len(rate)] @ area / area.sum()))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def _gather(
     owner: Ints,
     neighbour: Ints,

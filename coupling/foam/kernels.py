@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
+from cloth.compiled import compiled
 from coupling.ports import Array, Ints
 
 VSMALL = 1e-300
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def fans(corner: Array, centre: Array, area: Array) -> None:
     """See ``coupling.foam.geometry.face_centres_and_areas``."""
     for f in range(corner.shape[0]):
@@ -39,7 +39,7 @@ def fans(corner: Array, centre: Array, area: Array) -> None:
         area[f, 0], area[f, 1], area[f, 2] = 0.5 * n0, 0.5 * n1, 0.5 * n2
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def triple(a: Array, b: Array, c: Array, o: Array, p: Array, q: Array) -> float:
     """(a - o) . ((b - p) x (c - q)) of points (3,)."""
     x0, x1, x2 = a[0] - o[0], a[1] - o[1], a[2] - o[2]
@@ -49,7 +49,7 @@ def triple(a: Array, b: Array, c: Array, o: Array, p: Array, q: Array) -> float:
     return float(volume)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def sweeps(old: Array, new: Array, old_centre: Array, new_centre: Array, swept: Array) -> None:
     """See ``coupling.foam.geometry.swept_volumes``."""
     for f in range(old.shape[0]):
@@ -64,7 +64,7 @@ def sweeps(old: Array, new: Array, old_centre: Array, new_centre: Array, swept: 
         swept[f] = total / 12.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def cones(corner: Array, centre: Array, cone: Array) -> None:
     """Volumes (F,) [m^3] from the origin to each fan of ``corner`` (F, 4, 3) about ``centre``."""
     for f in range(corner.shape[0]):
@@ -77,7 +77,7 @@ def cones(corner: Array, centre: Array, cone: Array) -> None:
         cone[f] = total / 6.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def cells(
     owner: Ints, neighbour: Ints, face_centre: Array, area: Array, volume: Array, centre: Array
 ) -> None:

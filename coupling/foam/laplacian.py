@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from cloth.compiled import compiled
 from coupling.foam.geometry import CellGeometry
 from coupling.foam.gradients import SLOTS, stencils, stencils_of, wall_distance
 from coupling.foam.mesh import LiquidMesh
@@ -171,7 +171,7 @@ def _dot(one: Array, other: Array) -> Array:
     return np.asarray(np.einsum("fx,fx->f", one, other))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def _fill(
     owner: Ints,
     neighbour: Ints,

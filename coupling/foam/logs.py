@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
-from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
+from coupling.foam.pyfoam import FoamLogAnalyzer, RegExpLineAnalyzer
 
 _NUMBER = r"([-+.\deE]+)"
 _LINES = {

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from PyFoam.RunDictionary.ParsedParameterFile import ParsedParameterFile
 
 from coupling.foam import fields
 from coupling.foam.process import OpenFoam, OpenFoamFailed, run_program
+from coupling.foam.pyfoam import ParsedParameterFile
 from coupling.ports import Array, Ints
 
 _ADDRESSING = "constant/polyMesh/{}ProcAddressing"

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from cloth.compiled import compiled
 from coupling.foam.mesh import LiquidMesh
 from coupling.ports import Array, Ints
 
@@ -33,7 +33,7 @@ class MeshFolds(Exception):  # noqa: N818 - named for what happens
     """No valid mesh was found inside a boundary."""
 
 
-@numba.njit(cache=True)
+@compiled
 def corner_energy(
     points: Array,
     corners: Ints,

@@ -8,15 +8,28 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
+from coupling.ports import RunFailed
+
 NAME = "edtPimpleFoam"
 WALLS = "libedtWalls.so"  # what both solvers load: a boundary condition, see solver/walls
 
 
+class NoCache(RunFailed):
+    """No folder of the user to keep anything in."""
+
+
 def cache_folder() -> Path:
-    """The user's cache of this program; not made here."""
-    base = os.environ.get("XDG_CACHE_HOME", "")
-    # The specification asks for an absolute path and to ignore any other.
-    return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "diaphragm-tank"
+    """The user's cache of this program; not made here. Raises ``NoCache`` without a home."""
+    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if not base.is_absolute():  # as the specification asks: ignore any other
+        try:
+            base = Path.home() / ".cache"
+        except RuntimeError as error:
+            raise NoCache(
+                "XDG_CACHE_HOME: there is no home folder to keep the flow solver in. "
+                "Set XDG_CACHE_HOME to a folder of yours, by its whole path."
+            ) from error
+    return base / "diaphragm-tank"
 
 
 def sources() -> dict[str, str]:
@@ -46,10 +59,17 @@ def solver_path(version: str) -> Path:
 
 def built_solver(version: str) -> Path | None:
     """The solver for OpenFOAM ``version`` where it has been built; the library stands beside it."""
-    path = solver_path(version)
+    try:
+        path = solver_path(version)
+    except NoCache:
+        return None
     return path if os.access(path, os.X_OK) else None
 
 
 def built_for_any() -> bool:
     """Whether the solver has been built for any version of OpenFOAM."""
-    return any(os.access(path, os.X_OK) for path in cache_folder().glob(f"*-{_key()}/{NAME}"))
+    try:
+        found = cache_folder().glob(f"*-{_key()}/{NAME}")
+    except NoCache:
+        return False
+    return any(os.access(path, os.X_OK) for path in found)

@@ -1,6 +1,9 @@
 """Building the solver that stays alive: where it goes, and what is said when it cannot be built."""
 
 import io
+import os
+import subprocess
+import sys
 import tarfile
 from pathlib import Path
 
@@ -10,7 +13,15 @@ from coupling.foam import build, debian_source
 from coupling.foam.build import BuildFailed, build_solver
 from coupling.foam.debian_source import NoHeaders, fetch, source_package, unpack_headers
 from coupling.foam.process import OpenFoam
-from coupling.foam.solver_cache import NAME, built_solver, cache_folder, solver_path, sources
+from coupling.foam.solver_cache import (
+    NAME,
+    NoCache,
+    built_for_any,
+    built_solver,
+    cache_folder,
+    solver_path,
+    sources,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -167,3 +178,37 @@ def test_without_a_network_the_mend_is_said(tmp_path, monkeypatch, cache):
     assert list((cache / "source").iterdir()) == []  # nothing half fetched
     (cache / "source" / "openfoam_1912.1.orig.tar.xz").touch()
     assert fetch("openfoam", "1912.1-1", lambda _: None).name == "openfoam_1912.1.orig.tar.xz"
+
+
+def test_without_a_home_nothing_is_built_and_nothing_is_kept(monkeypatch):
+    """A user without an entry in the list of users, and no HOME: no traceback, no folder ``~``."""
+
+    def no_entry(uid):
+        raise KeyError(uid)
+
+    monkeypatch.delenv("HOME", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr("pwd.getpwuid", no_entry)
+    assert built_solver("1912") is None
+    assert not built_for_any()
+    with pytest.raises(NoCache, match="Set XDG_CACHE_HOME"):
+        cache_folder()
+
+
+def test_account_without_a_name_can_read_dictionaries(tmp_path):
+    """PyFoam asks for it when it reads one."""
+    code = (
+        "import os, pwd\n"
+        "for name in ('LOGNAME', 'USER', 'LNAME', 'USERNAME', 'HOME'): os.environ.pop(name, None)\n"
+        "def none(uid): raise KeyError(uid)\n"
+        "pwd.getpwuid = none\n"
+        "from coupling.foam.pyfoam import ParsedParameterFile\n"
+        "print(ParsedParameterFile('dict', noHeader=True)['nu'])\n"
+    )
+    (tmp_path / "dict").write_text("nu 3;\n")
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])},
+    )  # fmt: skip
+    assert done.stdout == "3\n", done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["dict"]
