@@ -35,7 +35,7 @@ def run_auto(scene: Scene, folder: Path, *, progress: Progress | None = None) ->
     The scene in ``folder`` names the model taken; the choice stands in ``auto.json``.
     """
     choice = choose(scene)
-    _log.info("auto: %s", choice.reason)
+    _log.info("auto takes %s: %s", choice.fluid, choice.reason)
     folder.mkdir(parents=True, exist_ok=True)
     write_json(
         folder / FILE,

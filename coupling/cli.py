@@ -89,7 +89,7 @@ def run(
         from coupling.auto import run_auto as run_scene
 
         choice = choose(scene)
-        typer.echo(f"auto: {choice.reason}", err=True)
+        typer.echo(f"auto takes {choice.fluid}: {choice.reason}", err=True)
         need_openfoam(scene, [choice.fluid])
     else:
         from coupling.driver import run as run_scene

@@ -224,22 +224,14 @@ def choose(scene: Scene) -> Choice:
 
     Where none does it is the one of the least upper bound, and the reason says so.
     """
-    known, tolerance = estimates(scene), scene.model.tolerance
+    known, kept = estimates(scene), f"{scene.model.tolerance:.3g} in nine scenes of ten"
     for fluid in LADDER:
-        if known[fluid].upper <= tolerance:
-            return Choice(
-                fluid=fluid,
-                reason=f"{fluid} is the cheapest that keeps {tolerance:.3g} in nine scenes of ten: "
-                f"{_figures(known[fluid])}",
-                estimates=known,
-            )
+        if known[fluid].upper <= scene.model.tolerance:
+            reason = f"{fluid} is the cheapest that keeps {kept}: {_figures(known[fluid])}"
+            return Choice(fluid=fluid, reason=reason, estimates=known)
     best = min(LADDER, key=lambda fluid: known[fluid].upper)
-    return Choice(
-        fluid=best,
-        reason=f"no model keeps {tolerance:.3g} in nine scenes of ten; {best} errs least: "
-        f"{_figures(known[best])}",
-        estimates=known,
-    )
+    reason = f"no model keeps {kept}; {best} errs least: {_figures(known[best])}"
+    return Choice(fluid=best, reason=reason, estimates=known)
 
 
 def _figures(one: Estimate) -> str:

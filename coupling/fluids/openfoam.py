@@ -139,11 +139,8 @@ class OpenFoamFlow:
         swept = self._following.follow(points, self._moment)
         missed = abs(swept.sum()) / self.volume
         if missed > CLOSURE:
-            raise StepFailed(
-                f"{self._moment}: the interface changes the liquid's volume by {missed:.1e} of it; "
-                "OpenFOAM would answer with a pressure that means nothing.",
-                cause=Cause.MESH,
-            )
+            why = f"the interface changes the liquid's volume by {missed:.1e} of it"
+            raise StepFailed(f"{self._moment}: {why}.", cause=Cause.MESH)
         pressure, self._velocity = self.case.advance(
             self.time, self._end, self._following.points_now
         )
