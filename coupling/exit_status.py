@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -72,8 +73,14 @@ def guarded(verb: Callable[P, None]) -> Callable[P, None]:
 
 
 def run_app(app: typer.Typer) -> NoReturn:
-    """Run the command line; an interrupt outside of any verb ends it quietly too."""
+    """Run the command line; an interrupt outside of any verb ends it quietly too.
+
+    What the terminal's encoding lacks is printed as its code.
+    """
     exit_at_once()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         status = app(prog_name="edt", standalone_mode=False)
     except USAGE_ERROR as error:

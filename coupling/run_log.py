@@ -24,7 +24,7 @@ def run_log(folder: Path) -> Iterator[None]:
 
     Runs in other threads of the process keep logs of their own.
     """
-    handler = _File(folder / FILE, encoding="utf-8")
+    handler = _File(folder / FILE, encoding="utf-8", errors="backslashreplace")
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     handler.addFilter(lambda record: _run.get() is handler)
     token = _run.set(handler)

@@ -44,7 +44,7 @@ def build_solver(openfoam: OpenFoam, *, say: Callable[[str], None] = lambda _: N
         for name, text in sources().items():
             path = place / "solver" / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+            path.write_text(text, encoding="utf-8")
         if all((openfoam.project_dir / part).is_dir() for part in ("src", "wmake")):
             built = _by_wmake(place, say)
         else:
@@ -76,8 +76,12 @@ def _by_compiler(place: Path, openfoam: OpenFoam, say: Callable[[str], None]) ->
     version = re.sub(r"\D", "", openfoam.version)
     say("compiling, about three quarters of a minute")
     for folder, name, options in (("solver/walls", WALLS, ["-shared"]), ("solver", NAME, [])):
-        source = re.search(r"\w+\.C", (place / folder / "Make" / "files").read_text())
-        libraries = re.findall(r"-l\w+", (place / folder / "Make" / "options").read_text())
+        source = re.search(
+            r"\w+\.C", (place / folder / "Make" / "files").read_text(encoding="utf-8")
+        )
+        libraries = re.findall(
+            r"-l\w+", (place / folder / "Make" / "options").read_text(encoding="utf-8")
+        )
         assert source is not None
         _run(
             [

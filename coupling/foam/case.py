@@ -106,7 +106,9 @@ class Case:
             for name, faces in zip(_PATCHES, (mesh.diaphragm, mesh.shell), strict=True)
         )
         head = fields.header("polyBoundaryMesh", "boundary", "constant/polyMesh", binary=False)
-        (folder / "boundary").write_text(f"{head}{len(_PATCHES)}\n(\n{entries})\n")
+        (folder / "boundary").write_text(
+            f"{head}{len(_PATCHES)}\n(\n{entries})\n", encoding="utf-8"
+        )
 
     def advance(self, start: float, end: float, points: Array) -> tuple[Array, Array]:
         """Solve from ``start`` to ``end`` [s] with all points ending at ``points`` (P, 3) [m].
@@ -129,7 +131,11 @@ class Case:
 
     def _refuse_uneven(self, start: float, end: float) -> None:
         known = self.time_folder(start) / "uniform" / "time"
-        last = re.search(r"deltaT\s+(\S+);", known.read_text()) if known.is_file() else None
+        last = (
+            re.search(r"deltaT\s+(\S+);", known.read_text(encoding="utf-8"))
+            if known.is_file()
+            else None
+        )
         if last is not None and abs(float(last[1]) / (end - start) - 1.0) > 1e-6:
             raise OpenFoamFailed(
                 f"t = {end:.6g} s: the step before was one of {last[1]} s, and a restarted "

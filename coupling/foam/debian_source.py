@@ -82,7 +82,7 @@ def fetch(name: str, version: str, say: Callable[[str], None]) -> Path:
         place = Path(folder)
         for part in ("lists/partial", "cache/archives/partial", "sources", "files"):
             (place / part).mkdir(parents=True)
-        (place / "apt.conf").write_text(_SETTINGS.format(place=place))
+        (place / "apt.conf").write_text(_SETTINGS.format(place=place), encoding="utf-8")
         _write_sources(place / "sources")
         told = _apt(place, "update")
         told += _apt(place, "--download-only", "source", f"{name}={version}")
@@ -101,10 +101,10 @@ def _write_sources(into: Path) -> None:
     """The machine's package sources, turned into ones of source packages."""
     for path in [APT / "sources.list", *sorted((APT / "sources.list.d").glob("*"))]:
         if path.is_file() and path.suffix in (".list", ".sources"):
-            text = path.read_text(errors="replace")
+            text = path.read_text(encoding="utf-8", errors="replace")
             text = re.sub(r"(?m)^deb(-src)?\s", "deb-src ", text)
             text = re.sub(r"(?mi)^Types:.*$", "Types: deb-src", text)
-            (into / path.name).write_text(text)
+            (into / path.name).write_text(text, encoding="utf-8")
 
 
 def _apt(place: Path, *arguments: str) -> str:

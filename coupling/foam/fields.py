@@ -130,4 +130,4 @@ def write_labels(path: Path, labels: Ints, note: str) -> None:
     head = header("labelList", path.name, "constant/polyMesh", binary=False)
     head = head.replace("    object", f'    note        "{note}";\n    object')
     lines = "\n".join(map(str, labels.tolist()))
-    path.write_text(head + f"{len(labels)}\n(\n{lines}\n)\n")
+    path.write_text(head + f"{len(labels)}\n(\n{lines}\n)\n", encoding="utf-8")

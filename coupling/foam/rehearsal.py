@@ -49,7 +49,7 @@ def _step(folder: Path, openfoam: OpenFoam) -> str:
         case.create(mesh.points, viscosity=1e-6)
         case.advance(0.0, _STEP, mesh.points)
     except (OpenFoamFailed, StepFailed) as error:
-        said = case.log.read_text(errors="replace") if case.log.is_file() else ""
+        said = case.log.read_text(encoding="utf-8", errors="replace") if case.log.is_file() else ""
         return said or str(error).partition(". ")[0].partition(": ")[2]
     finally:
         case.close()
