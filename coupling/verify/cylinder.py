@@ -68,6 +68,8 @@ def cylinder(
             found = tank.potential(resolution)
     else:
         resolution = resolution or 2000
+        within("cylinder", "step", step, 1e-4, 0.1 * np.pi / omega)  # 20 of them in a period
+        within("cylinder", "resolution", resolution, 8, 100_000)
         with tempfile.TemporaryDirectory() as folder:
             found = tank.openfoam(Path(folder), omega, step, resolution)
     return VerifyResult(

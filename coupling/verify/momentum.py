@@ -22,6 +22,7 @@ from coupling.ports import Array, HydrostaticLoad, RunFailed
 from coupling.schemes import scheme_named
 from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
+from coupling.verify.sheets import within
 from coupling.verify.slosh import DENSITY, GRAVITY, RADIUS, level_shape
 from coupling.verify.whole_run import whole_run
 
@@ -53,6 +54,9 @@ def momentum(*, fluid: str = "openfoam", step: float = 0.01, resolution: int = 0
     if fluid not in ("openfoam", "potential"):
         raise CaseError(f"verify momentum: --fluid: must be openfoam or potential, got '{fluid}'.")
     resolution = resolution or {"openfoam": 1300, "potential": 16}[fluid]
+    within("momentum", "step", step, 1e-4, 0.05 / FREQUENCY)  # 20 of them in a period
+    least, most = {"openfoam": (176, 100_000), "potential": (4, 200)}[fluid]
+    within("momentum", "resolution", resolution, least, most)
     if fluid == "openfoam":
         with tempfile.TemporaryDirectory() as folder:
             found = _shaken(Path(folder), step, resolution)

@@ -68,6 +68,8 @@ def slosh(
     omega = float(np.sqrt(exact * GRAVITY / RADIUS))
     if fluid == "openfoam":
         step, resolution = step or 0.01, resolution or 1300
+        within("slosh", "step", step, 1e-4, 0.1 * np.pi / omega)  # 20 of them in a period
+        within("slosh", "resolution", resolution, 176, 100_000)
         with tempfile.TemporaryDirectory() as folder:
             time, signal = _release(Path(folder), level, mode, omega, step, resolution)
         found = fitted_frequency(time, signal, omega) ** 2 * RADIUS / GRAVITY
@@ -75,6 +77,7 @@ def slosh(
     else:
         resolution = resolution or (6 if step else 16)
         within("slosh", "resolution", resolution, 2, 24)
+        within("slosh", "step", step, 0.0, 0.1 * np.pi / omega)
         with threadpool_limits(1):
             quantities = _potential(level, mode, exact, step, resolution)
     return VerifyResult(

@@ -36,6 +36,12 @@ def failure(result):
         ("study", "half_full", "--models", "water"),
         ("verify", "nothing"),
         ("verify", "chain", "--nope", "1"),
+        ("verify", "momentum", "--step", "0"),
+        ("verify", "momentum", "--fluid", "potential", "--resolution", "-1"),
+        ("verify", "slosh", "--step", "-1"),
+        ("verify", "slosh", "--fluid", "potential", "--step", "nan"),
+        ("verify", "cylinder", "--fluid", "openfoam", "--step", "0"),
+        ("verify", "slosh", "--resolution", "1"),
     ],
 )
 def test_wrong_input_is_an_object_too(case: Path, arguments: tuple[str, ...]):
