@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from coupling.ports import Array
 from coupling.table_columns import ACCELERATION, TIME, Column
-from coupling.table_file import Table, read_table
-from coupling.table_text import TableError
+from coupling.table_file import Table, table_of
+from coupling.table_text import TableError, read_content
 
 _AXIS = (
     r"(linear)?(a|acc|accel|accelerometer|acceleration|beschleunigung|beschl)?"
@@ -85,13 +85,18 @@ class MotionTable:
 
 
 def read_motion_table(path: Path) -> MotionTable:
-    """Read a table of accelerations, laid out as ``read_table`` says.
+    """Read a table of accelerations, laid out as ``table_of`` says.
 
     Times that are dates, or seconds since 1970, start at 0. Raises ``TableError`` as that, for
     times that do not increase, and for times without a unit that are so far apart that they may be
     milliseconds. Whether the samples resolve the motion is not checked.
     """
-    table = read_table(path, COLUMNS)
+    return _read(path, read_content(path))
+
+
+@lru_cache(maxsize=2)  # a study asks for the same record again and again
+def _read(path: Path, data: bytes) -> MotionTable:
+    table = table_of(path, data, COLUMNS)
     time = table.values[:, 0]
     unordered = np.flatnonzero(np.diff(time) <= 0.0)
     if len(unordered) > 0:

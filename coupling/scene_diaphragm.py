@@ -80,7 +80,8 @@ class Diaphragm(Section):
     )
     thickness_map: str | None = Field(
         default=None,
-        description="CSV file with columns polar, azimuth, thickness (degrees, degrees, m)",
+        description="CSV file with columns polar, azimuth, thickness (degrees, degrees, m, or as "
+        "its header says)",
     )
     material: str | None = Field(default=None, description="name of a built-in elastomer")
     density: float = Field(

@@ -17,7 +17,7 @@ from coupling.ports import Array, Ints
 from coupling.table_clock import seconds_of_dates, seconds_of_numbers
 from coupling.table_columns import Column
 from coupling.table_head import Head, read_head
-from coupling.table_text import COMMENT, Dialect, TableError, dialect_of, read_lines
+from coupling.table_text import COMMENT, Dialect, TableError, dialect_of, lines_of
 
 if TYPE_CHECKING:
     from pandas import Series
@@ -56,7 +56,7 @@ class Table:
         return f"{self.path}: line {self.lines[row]}"
 
 
-def read_table(path: Path, wanted: Sequence[Column]) -> Table:
+def table_of(path: Path, data: bytes, wanted: Sequence[Column]) -> Table:
     """Read the columns ``wanted``, each in its own unit, whatever their order in the file.
 
     Separated by commas, semicolons, tabs or blanks, with a decimal point or comma, in UTF-8,
@@ -65,11 +65,11 @@ def read_table(path: Path, wanted: Sequence[Column]) -> Table:
     hold the columns wanted, in their order and units. Empty lines and lines that start with
     ``#``, ``%`` or ``//`` are left out among the numbers.
 
-    Raises ``TableError`` for a file that cannot be read, a header that does not name every column
-    once, in a known unit, for a line that does not hold a finite number for every column and for
-    fewer than two lines of numbers.
+    ``data``: the content of the file ``path``, which messages name. Raises ``TableError`` for what
+    is no text, for a header that does not name every column once, in a known unit, for a line that
+    does not hold a finite number for every column and for fewer than two lines of numbers.
     """
-    lines = read_lines(path)
+    lines = lines_of(path, data)
     dialect = dialect_of(lines)
     first = len(lines) if dialect is None else _first(lines, dialect)
     rows = [

@@ -21,15 +21,19 @@ class TableError(ValueError):
     """A table that cannot be used; the message names the file, the line and the mend."""
 
 
-def read_lines(path: Path) -> list[str]:
-    """Lines of a text file in UTF-8, UTF-16 or Latin-1, without a byte order mark.
-
-    Raises ``TableError`` for a file that cannot be read or is no text.
-    """
+def read_content(path: Path) -> bytes:
+    """Content of a file. Raises ``TableError`` where it cannot be read."""
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
     except OSError as error:
         raise TableError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def lines_of(path: Path, data: bytes) -> list[str]:
+    """Lines of a text in UTF-8, UTF-16 or Latin-1, without a byte order mark.
+
+    Raises ``TableError``, with the ``path`` it comes from, for what is no text.
+    """
     try:
         text = _decoded(data)
     except UnicodeDecodeError as error:

@@ -9,8 +9,8 @@ import numpy as np
 
 from coupling.ports import Array, Ints
 from coupling.table_columns import ANGLE, LENGTH, Column
-from coupling.table_file import Table, read_table
-from coupling.table_text import TableError
+from coupling.table_file import Table, table_of
+from coupling.table_text import TableError, read_content
 
 RIM = 90.0  # degrees from the pole
 _SLACK = 1e-9  # degrees, of angles that were computed
@@ -68,11 +68,11 @@ class ThicknessMap:
 def read_thickness_map(path: Path) -> ThicknessMap:
     """Read a map with the columns polar, azimuth [degrees], thickness [m], in any order of lines.
 
-    Laid out as ``read_table`` says; a header may name other units. Raises ``TableError`` as that,
+    Laid out as ``table_of`` says; a header may name other units. Raises ``TableError`` as that,
     for a line out of range, and unless every polar angle, 0 and 90 among them, stands once with
     every azimuth.
     """
-    table = read_table(path, _COLUMNS)
+    table = table_of(path, read_content(path), _COLUMNS)
     _check_lines(table)
     polar, row = np.unique(table.values[:, 0], return_inverse=True)
     azimuth, column = np.unique(table.values[:, 1], return_inverse=True)

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from coupling import table_file
@@ -210,6 +212,36 @@ def test_what_contradicts_is_refused_with_line_and_mend(tmp_path: Path, name: st
     assert str(caught.value).startswith(str(file))
 
 
+@settings(max_examples=300, deadline=None)
+@given(
+    st.sampled_from(sorted(READ)),
+    st.lists(
+        st.tuples(
+            st.integers(0, 500),
+            st.integers(0, 3),
+            st.text(alphabet=" \t\n,;.\"'#-+eEgx0123456789()[]/é\0", max_size=3),
+        ),
+        min_size=1,
+        max_size=4,
+    ),
+)
+def test_a_damaged_file_is_read_or_refused(tmp_path_factory, name: str, damages):
+    text = READ[name][0]
+    for place, removed, inserted in damages:
+        text = text[:place] + inserted + text[place + removed :]
+    file = tmp_path_factory.mktemp("damaged") / "m.csv"
+    file.write_text(text)
+    try:
+        table = read_motion_table(file)
+    except TableError as error:
+        refused = str(error)
+    else:
+        refused = f"{file}: "
+        assert np.isfinite(table.acceleration).all()
+        assert (np.diff(table.time) > 0.0).all()
+    assert refused.startswith(f"{file}: ")
+
+
 def scene(file: Path, **changes):
     data = {
         "tank": {"radius": 0.4445},
@@ -296,15 +328,16 @@ def test_check_says_what_it_read_and_reads_it_once(tmp_path: Path, monkeypatch):
         'motion.kind = "table"\nmotion.file = "m.csv"\ntime.duration = 0.09\n'
     )
     read = []
-    read_lines = table_file.read_lines
+    lines_of = table_file.lines_of
     monkeypatch.setattr(
-        table_file, "read_lines", lambda path: read.append(path) or read_lines(path)
+        table_file, "lines_of", lambda path, data: read.append(path) or lines_of(path, data)
     )
     answer = CliRunner().invoke(app, ["check", str(case)])
     assert answer.exit_code == 0, answer.output
     assert len(read) == 1
     assert "record m.csv: time [s], ax, ay, az [g] (by the header in line 1); 20" in answer.output
     answer = CliRunner().invoke(app, ["check", str(case), "--json"])
+    assert len(read) == 1  # its content is the same
     assert "20 samples at 200 Hz" in json.loads(answer.output)["record"]["says"]
     (case / "m.csv").write_text("Time (s),X (furlong),Y (g),Z (g)\n" + lines())
     answer = CliRunner().invoke(app, ["check", str(case)])

@@ -97,12 +97,20 @@ def test_the_mean_is_that_of_the_interpolated_map():
     assert ridges.mean == pytest.approx(sampled, rel=1e-5)  # O(1/400^2), kinks included
 
 
+def test_a_map_is_read_by_the_names_and_units_of_its_header(tmp_path: Path):
+    text = "Thickness [mm];Azimuth (deg);Polar (rad)\n1,5;0;0\n2,5;0;1,5707963267948966\n"
+    (tmp_path / "t.csv").write_text(text)
+    ridges = read_thickness_map(tmp_path / "t.csv")
+    np.testing.assert_allclose(ridges.at(towards(45, 10)), 0.002, rtol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("0,0,0.001\n90,0\n", r"line 2: must hold three finite numbers polar, azimuth, thick"),
         ("0,0,0.001\n90,0,thin\n", "line 2: must hold three finite numbers"),
         ("0,0,0.001\n", r"holds 1 lines.*polar, azimuth, thickness \(degrees, degrees, m\)"),
+        ("thickness,azimuth\n1,2\n1,2\n", "line 1: names no column polar, got 'thickness, azim"),
         ("0,0,0.001\n91,0,0.001\n", r"line 2: polar must lie in \[0, 90\], got 91\. Give degrees"),
         ("0,0,1\n90,0,1\n0,360,1\n90,360,1\n", r"line 3: azimuth must lie in .* got 360\. Leave"),
         ("0,0,0.001\n# rim\n90,0,0\n", r"line 3: thickness must be positive, got 0\. Give"),
