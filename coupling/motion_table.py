@@ -7,6 +7,7 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from coupling.ports import Array
 from coupling.table_columns import ACCELERATION, TIME, Column
@@ -63,8 +64,10 @@ class MotionTable:
         even = np.linspace(self.time[0], self.time[-1], count, endpoint=False)
         signal = np.stack([np.interp(even, self.time, part) for part in self.acceleration.T])
         signal -= signal.mean(axis=1, keepdims=True)
-        power = np.sum(np.abs(np.fft.rfft(signal)) ** 2, axis=0)
-        return np.fft.rfftfreq(count, even[1] - even[0]), np.cumsum(power)
+        padded = next_fast_len(count, real=True)
+        lines = np.fft.rfft(signal, n=padded)
+        power = np.sum(lines.real**2 + lines.imag**2, axis=0)
+        return np.fft.rfftfreq(padded, even[1] - even[0]), np.cumsum(power)
 
     @property
     def characteristic_frequency(self) -> float:
