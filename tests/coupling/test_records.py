@@ -290,6 +290,10 @@ def test_gaps_and_uneven_steps_are_warned_of(tmp_path: Path):
     assert "gaps, 1 in all, the longest of 0.05 s from t = 0.075 s" in text
     uneven = time + 0.001 * np.sin(1.0 + np.arange(len(time)) ** 2)
     uneven[0] = 0.0
+    one = np.arange(len(time)) != 20
+    assert "gaps, 1 in all, the longest of 0.01 s" in warnings(
+        tmp_path / "m.csv", time[one], values[one]
+    )
     coasting = np.append(time, 9.0), np.append(values, values[-1:], axis=0)
     assert not warnings(tmp_path / "m.csv", *coasting)
     assert "steps are uneven" in warnings(tmp_path / "m.csv", uneven, values)
