@@ -33,6 +33,9 @@ _RUN_MARKERS = frozenset({"log.txt", "auto.json", "results.h5", "summary.json", 
 _CAMPAIGN_MARKERS = frozenset({"study.json", "sweep.json", "discretisation", "points"})
 
 
+LEAST_ROOM = 1_000_000  # bytes: the least that a run and its report take
+
+
 def default_folder(scene_path: Path, suffix: str = "") -> Path:
     """``runs/<name><suffix>`` below the working directory, named after the scene's folder or file.
 
@@ -63,6 +66,12 @@ def prepare_folder(
         _check_fits(folder, held, study, force=force)
         with tempfile.TemporaryFile(dir=folder):
             pass
+        free = shutil.disk_usage(folder).free
+        if free < LEAST_ROOM:
+            raise FolderError(
+                f"{folder}: its disk has {free / 1e6:.1f} MB left, and no run is smaller than "
+                f"{LEAST_ROOM / 1e6:g} MB. Make room, or give another folder with -o."
+            )
         if study is None and held & _RUN_MARKERS:
             clear_run(folder)
         elif study is not None and force and held & _CAMPAIGN_MARKERS:

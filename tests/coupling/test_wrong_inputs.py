@@ -1,6 +1,7 @@
 """Wrong inputs through the command: a clear message, the right exit status, no traceback."""
 
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -209,6 +210,16 @@ def test_wrong_input_is_told_and_nothing_starts(name: str, place: Path):
     assert result.stdout == ""
     assert "Traceback" not in result.output
     assert sorted(path for path in place.rglob("*")) == before
+
+
+def test_without_room_on_the_disk_nothing_starts(place: Path, monkeypatch):
+    full = shutil.disk_usage(place)._replace(free=64_000)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: full)
+    result = CliRunner().invoke(app, ["run", "case", "-o", "new"])
+    assert result.exit_code == 2
+    assert "new: its disk has 0.1 MB left" in result.stderr
+    assert "Make room, or give another folder with -o." in result.stderr
+    assert not (place / "new" / "scene.toml").exists()
 
 
 @pytest.mark.parametrize(
