@@ -212,3 +212,20 @@ def test_account_without_a_name_can_read_dictionaries(tmp_path):
     )  # fmt: skip
     assert done.stdout == "3\n", done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["dict"]
+
+
+def test_settings_of_pyfoam_that_cannot_be_read(tmp_path):
+    """They ended its import with a traceback."""
+    (tmp_path / ".pyFoam").mkdir()
+    (tmp_path / ".pyFoam" / "pyfoamrc").write_text("no [ section\n")
+    (tmp_path / "dict").write_text("nu 3;\n")
+    code = (
+        "import os\n"
+        "from coupling.foam.pyfoam import ParsedParameterFile\n"
+        "print(ParsedParameterFile('dict', noHeader=True)['nu'], os.environ['HOME'])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3]), "HOME": str(tmp_path)},
+    )  # fmt: skip
+    assert done.stdout == f"3 {tmp_path}\n", done.stderr
