@@ -62,7 +62,9 @@ def write_json(path: Path, content: Any) -> None:
     write_text(path, json.dumps(plain(content), indent=1, allow_nan=False) + "\n")
 
 
-def read_json(path: Path, parts: Mapping[str, type], mend: str) -> dict[str, Any]:
+def read_json(
+    path: Path, parts: Mapping[str, type | tuple[type, ...]], mend: str
+) -> dict[str, Any]:
     """Read a JSON object that has at least ``parts``: keys and the types of their values.
 
     Raises ``UnreadableFile``, which ends with ``mend``.

@@ -6,14 +6,13 @@ next rung up, over the first period.
 
 from __future__ import annotations
 
-import json
 import logging
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from coupling.atomic import write_json
+from coupling.atomic import read_json, write_json
 from coupling.driver import Progress, resume, run
 from coupling.metrics.comparison import common_instants
 from coupling.model_errors import LADDER as RUNGS
@@ -51,6 +50,7 @@ def run_auto(scene: Scene, folder: Path, *, progress: Progress | None = None) ->
 
 def resume_auto(folder: Path, *, progress: Progress | None = None) -> dict[str, Any]:
     """Go on with what ``run_auto`` began in ``folder``; as ``driver.resume``."""
+    _read(folder)
     return _finish(folder, resume(folder, progress=progress), progress)
 
 
@@ -60,7 +60,7 @@ def _finish(folder: Path, summary: dict[str, Any], progress: Progress | None) ->
     The check takes the scene's first period (a table's characteristic one) on the next rung up, in
     ``check``; its error is the rms distance of the CG's paths over the rms way of the better one.
     """
-    auto = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    auto = _read(folder)
     if summary["status"] == "completed" and "checked" not in auto:
         auto["checked"] = _checked(load_scene(folder), folder, progress)
         write_json(folder / FILE, auto)
@@ -69,6 +69,11 @@ def _finish(folder: Path, summary: dict[str, Any], progress: Progress | None) ->
     summary["auto"] = auto
     write_json(folder / "summary.json", summary)
     return summary
+
+
+def _read(folder: Path) -> dict[str, Any]:
+    mend = f"Put it back, or run the scene again: edt run SCENE -o {folder} --force."
+    return read_json(folder / FILE, {"fluid": str, "tolerance": float, "reason": str}, mend)
 
 
 def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:

@@ -32,7 +32,7 @@ from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.progress import RunProgress
 from coupling.record_summary import record_summary
-from coupling.resumption import saved_run
+from coupling.resumption import SavedRun, saved_run
 from coupling.run_folder import (
     check_reportable,
     check_resumable,
@@ -113,7 +113,7 @@ def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJs
         scene = load_scene(folder)
         saved = saved_run(folder, scene)
         auto = (folder / "auto.json").is_file()
-        if saved is not None and saved.finished is not None and not auto:
+        if saved is not None and saved.finished is not None and not (auto and _unchecked(saved)):
             typer.echo(
                 f"{folder}: finished; nothing is left to compute. To go on beyond "
                 f"{scene.time.duration:g} s, raise time.duration in {folder / SCENE_FILE} first.",
@@ -130,6 +130,11 @@ def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJs
         with resumable(folder), RunProgress() as progress:
             summary = resume_run(folder, progress=progress)
         _finish(summary, folder, as_json)
+
+
+def _unchecked(saved: SavedRun) -> bool:
+    """Whether the check of the model that auto took is still to come."""
+    return "checked" not in ((saved.finished or {}).get("auto") or {})
 
 
 def _finish(summary: dict[str, object], folder: Path, as_json: bool) -> None:

@@ -11,6 +11,12 @@ from coupling.atomic import read_json
 from coupling.ports import Array
 
 SUMMARY = "summary.json"
+_NUMBER = (int, float)
+_PARTS: dict[str, type | tuple[type, ...]] = {
+    "status": str, "steps": int, "simulated_s": _NUMBER, "wall_s": _NUMBER, "wall_by_part": dict,
+    "strain_tensile_max": _NUMBER,
+    "coupling": dict, "cg": dict, "force": dict, "bernoulli": dict,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +93,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         return {}
     mend = f"Remove the file; edt resume {folder} writes it again."
-    return read_json(path, {"status": str, "steps": int}, mend)
+    return read_json(path, _PARTS, mend)
 
 
 def is_whole(summary: Mapping[str, Any], steps: int) -> bool:
