@@ -163,7 +163,14 @@ class Motion(Section):
             return given
         rest = {key: value for key, value in given.items() if key != "acceleration"}
         omega = 2.0 * np.pi * frequency
-        return rest | {"amplitude": float(acceleration / omega**2) if omega else 0.0}
+        amplitude = float(acceleration / omega**2) if omega else 0.0
+        if amplitude > LARGEST or 0.0 < amplitude < LEAST:
+            problem = (
+                f"motion.acceleration: at {frequency:g} Hz gives an amplitude of {amplitude:g} m, "
+                "beyond 1e-15 to 1e+15. Give the acceleration in m/s^2 and the frequency in Hz."
+            )
+            raise PydanticCustomError("cross_check", "{problems}", {"problems": problem})
+        return rest | {"amplitude": amplitude}
 
     @cached_property
     def record(self) -> MotionTable:

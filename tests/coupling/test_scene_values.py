@@ -131,3 +131,8 @@ def test_number_of_cells_that_no_mesh_comes_near_is_refused(cells: int, mend: st
 def test_mesh_has_about_as_many_cells_as_were_asked_for(cells: int):
     scene = scene_from(changed(("openfoam", "cells"), cells))
     assert cells / 1.5 <= cells_made(scene.openfoam.cells) <= cells
+
+
+def test_acceleration_without_an_amplitude_is_named_itself():
+    with pytest.raises(SceneError, match=r"motion\.acceleration: at 1.25 Hz gives an amplitude"):
+        scene_from(changed(("motion", "acceleration"), 1e-15))
