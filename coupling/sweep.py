@@ -13,7 +13,7 @@ from coupling.cost import run_cost
 from coupling.report import write_report
 from coupling.run_record import read_summary
 from coupling.study import Progress, is_complete
-from coupling.sweep_plan import POINTS, Plan, Point
+from coupling.sweep_plan import POINTS, Plan, Point, SweepError
 from coupling.sweep_rows import row_of, sweep_csv, sweep_json
 
 FILE, TABLE = "sweep.json", "sweep.csv"
@@ -106,7 +106,10 @@ def _outcomes(
 ) -> Iterator[tuple[Point, str, Summary]]:
     if not waiting:
         return
-    from coupling.sweep_workers import Task, cluster_at, local_workers, run_tasks
+    try:
+        from coupling.sweep_workers import Task, cluster_at, local_workers, run_tasks
+    except ValueError as error:  # Dask reads its settings when it is imported
+        raise SweepError(f"{error}\nMend or remove that file.") from error
 
     points = {point.name: point for point in plan.points}
     tasks = [

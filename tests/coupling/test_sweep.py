@@ -283,3 +283,18 @@ def test_no_verb_but_a_sweep_that_runs_imports_dask() -> None:
         "print([name for name in sys.modules if name.split('.')[0] in ('dask', 'distributed')])"
     )
     assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
+
+
+def test_settings_of_dask_that_cannot_be_read_are_named(path: Path, tmp_path: Path) -> None:
+    """They ended the sweep with a traceback."""
+    settings = tmp_path / "dask.yaml"
+    settings.write_text("a: [b")
+    words = [path, "--over", "motion.frequency=1,2", "--models", "datum,hydrostatic"]
+    code = "from coupling.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "sweep", *map(str, words), "-o", str(tmp_path / "sweep")],
+        env=os.environ | {"DASK_CONFIG": str(settings)}, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert f"A dask config file at '{settings}' is malformed" in done.stderr
+    assert "Traceback" not in done.stderr
