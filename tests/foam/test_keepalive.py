@@ -345,7 +345,8 @@ def test_several_processors_without_their_programs(alive, monkeypatch, tmp_path)
         find_openfoam(keep_alive=True, processors=2)
 
 
-def test_own_solver_is_never_replaced(alive, tmp_path):
+def test_own_solver_is_never_replaced(alive, tmp_path, monkeypatch):
+    monkeypatch.setenv("EDT_ALLOW_COMMAND", "1")
     (tmp_path / "myFoam").symlink_to(alive.solver)
     assert find_openfoam(str(tmp_path / "myFoam"), keep_alive=True).keep_alive is None
 
