@@ -1,4 +1,4 @@
-"""From an iterate to a step's end: in the shell, of exact volume, not too long, not crossing."""
+"""From an iterate to a step's end: in the shell, of exact volume, not crossing itself."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ from cloth.self_contact.result import Contact
 
 VOLUME_TOLERANCE = 1e-13  # relative, aimed at
 VOLUME_ALLOWED = 1e-8  # relative, above which a step counts as not converged
-STRAIN_MARGIN = 0.8  # of the limit, from where on a triangle is drawn together
-SWEEPS = 50  # of drawing together, at most
-ROUNDS = 6  # of drawing together, contact and volume in turn, at most
+ROUNDS = 6  # of contact and volume in turn, at most
 HARMLESS = 0.15  # thicknesses that a move away from touching nodes may have: see ``resolve``
 
 
@@ -25,14 +23,13 @@ class Bounds:
     """What an end has to keep.
 
     ``start`` (n, 3) [m], where the step began; ``limit`` (n,) [m], the largest |x_i|; ``volume``
-    [m^3] or None; ``strain_limit`` [-]; ``response`` (n, 3) [m/Pa], what the datum moves.
+    [m^3] or None; ``response`` (n, 3) [m/Pa], what the datum moves.
     """
 
     model: ClothModel
     start: Array
     limit: Array
     volume: float | None
-    strain_limit: float
     response: Array
 
 
@@ -57,74 +54,42 @@ class VolumeLostError(ArithmeticError):
 def ending(x: Array, bounds: Bounds) -> Ending:
     """The end of a step whose iterate is ``x`` (n, 3) [m], changed as little as the bounds ask.
 
-    Each of the three mends undoes a little of the others, so they take turns; most steps need
-    none of them but a few millionths of a metre for the volume. Raises VolumeLostError.
+    Contact and volume each undo a little of the other, so they take turns; most steps need but a
+    few millionths of a metre for the volume. Raises VolumeLostError.
     """
     model, nobody = bounds.model, np.zeros(len(x), dtype=np.bool_)
     x, volume = _closed(clamp_to_shell(x, bounds.limit), bounds, nobody)
-    strain, contact, safe = _strain(x, model), None, True
-    for turn in range(ROUNDS):
-        too_long = turn < ROUNDS - 1 and _worst(strain, model) > _aim(bounds)
-        if too_long:
-            x = _shortened(x, bounds)
-        near = nobody
-        if model.self_contact is not None:
-            contact = model.self_contact.resolve(bounds.start, x, bounds.limit)
-            x, near = contact.position, contact.near
-        if not too_long and (contact is None or contact.moved == 0.0):
+    contact, safe = None, True
+    for _ in range(ROUNDS):
+        if model.self_contact is None:
             break
-        before = x
-        x, volume = _closed(x, bounds, near)
-        if contact is not None and near.any():
-            moved = float(np.linalg.norm(x - before, axis=1).max())
-            safe = moved <= HARMLESS * contact.thickness
-        strain = _strain(x, model)
-        if safe and _worst(strain, model) <= bounds.strain_limit:
+        contact = model.self_contact.resolve(bounds.start, x, bounds.limit)
+        if contact.moved == 0.0:
+            break
+        x, volume = _closed(contact.position, bounds, contact.near)
+        moved = float(np.linalg.norm(x - contact.position, axis=1).max())
+        safe = not contact.near.any() or moved <= HARMLESS * contact.thickness
+        if safe:
             break
     if not safe:
         assert model.self_contact is not None
         x = model.self_contact.resolve(bounds.start, x, bounds.limit).position
-        strain, volume = _strain(x, model), model.volume(x)
+        volume = model.volume(x)
     drift = 0.0 if bounds.volume is None else abs(volume / bounds.volume - 1.0)
     parted = contact is None or not (contact.held.any() or len(contact.failed))
     return Ending(
         position=x,
         volume=volume,
-        strain=strain,
+        strain=_strain(x, model),
         contact=contact,
-        converged=_worst(strain, model) <= bounds.strain_limit
-        and drift <= VOLUME_ALLOWED
-        and parted,
+        converged=drift <= VOLUME_ALLOWED and parted,
     )
-
-
-def _aim(bounds: Bounds) -> float:
-    """Strain above which triangles are drawn together."""
-    return STRAIN_MARGIN * bounds.strain_limit
 
 
 def _strain(x: Array, model: ClothModel) -> Array:
     strain = np.empty(len(model.triangles))
     kernels.principal_strains(x, model.triangles, model.gradients, strain)
     return strain
-
-
-def _worst(strain: Array, model: ClothModel) -> float:
-    """Largest strain that is too much; none is where the sheet may stretch."""
-    return 0.0 if model.elastic else float(strain.max())
-
-
-def _shortened(x: Array, bounds: Bounds) -> Array:
-    """``x`` with the few triangles that still exceed the strain limit drawn together."""
-    model, x = bounds.model, x.copy()
-    for _ in range(SWEEPS):
-        worst = kernels.shorten_step(
-            x, model.triangles, model.gradients, model.mobility, _aim(bounds)
-        )
-        if worst <= 0.1 * bounds.strain_limit:
-            break
-        x = clamp_to_shell(x, bounds.limit)
-    return x
 
 
 def _closed(x: Array, bounds: Bounds, near: Bools) -> tuple[Array, float]:

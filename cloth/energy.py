@@ -17,8 +17,7 @@ from cloth.state import Memory
 class SheetEnergy:
     """Energies [J] of a sheet in its own frame.
 
-    ``kinetic``; ``bending``, less the constant of the moulded curvature; ``stretch``, what the
-    strain limit holds left out: an inextensible sheet stores no energy in tension.
+    ``kinetic``; ``bending``, less the constant of the moulded curvature; ``stretch``.
     """
 
     kinetic: float
@@ -90,7 +89,7 @@ def stretch_energy(model: ClothModel, position: Array) -> float:
     Per area, of principal strains e >= f: plane stress where both directions are taut, a tension
     field T e^2/2 + C (f + nu e)^2/2 where the second is slack, C (e^2 + f^2)/2 where both are; T is
     E t, C the compressive stiffness. These are the functions of which ``kernels.limited`` takes
-    the proximal points, but for terms of C beside T. Of an inextensible sheet what is slack counts.
+    the proximal points, but for terms of C beside T.
     """
     corner = position[model.triangles]
     stretch = np.einsum("tid,tie->tde", corner, model.gradients)
@@ -101,9 +100,6 @@ def stretch_energy(model: ClothModel, position: Array) -> float:
     e = np.sqrt(mean + spread) - 1.0
     f = np.sqrt(np.maximum(mean - spread, 0.0)) - 1.0
     soft, nu = model.compressive, model.poisson
-    if not model.elastic:
-        density = 0.5 * soft * (np.minimum(e, 0.0) ** 2 + np.minimum(f, 0.0) ** 2)
-        return float(model.areas @ density)
     stiff = model.tensile
     taut = 0.25 * stiff * ((e + f) ** 2 / (1.0 - nu) + (e - f) ** 2 / (1.0 + nu))
     field = 0.5 * stiff * e**2 + 0.5 * soft * (f + nu * e) ** 2

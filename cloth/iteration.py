@@ -19,7 +19,12 @@ from cloth.self_contact.planes import Planes
 from cloth.self_contact.result import Contact
 
 RESPONSE_EVERY = 5  # iterations between two of the volume's answers to the datum
-CONTACT_EVERY = 10  # further iterations between two looks at what touches
+CONTACT_EVERY = 10  # iterations between two looks at what touches
+CONTACT_AFTER = 20  # iterations before the first
+LEAST = 10  # iterations before the first look at what they leave
+SPAN = 5  # iterations over which their contraction is measured
+MARGIN = 0.2  # of a step's first solve: further iterations, which its later solves may need too
+CONTRACTION = (0.5, 0.98)  # bounds: a lucky pair of iterations does not end a solve
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,11 +32,12 @@ class StepProblem:
     """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate.
 
     ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
-    the iteration sets out.
+    the iteration sets out; ``penalty`` [N/m] is the stretch's.
     """
 
     model: ClothModel
     settings: Settings
+    penalty: float
     system: System
     dt: float
     kin: Kinematics
@@ -43,15 +49,15 @@ class StepProblem:
     contact_force: Array
     constant_force: Array
     limit: Array
-    strain_limit: float
 
 
 @dataclass(kw_only=True)
 class Solution:
     """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
 
+    ``change`` [m] is the rms displacement that further iterations would add, as estimated.
     ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
-    ``converged``: the strain limit and the volume are kept.
+    ``converged``: the tolerance is met, the volume kept, and no part crosses another.
     """
 
     position: Array
@@ -98,8 +104,8 @@ class Iteration:
     def __init__(self, problem: StepProblem, force: Array, planes: Planes | None) -> None:
         p, model = problem, problem.model
         self.problem, self.planes = p, planes
-        self.penalty = model.penalty(p.settings)
-        self.weight = model.contact_weight(p.settings, p.kin.b)
+        self.penalty = np.full(len(model.triangles), p.penalty)
+        self.weight = model.shell_penalty(p.settings, p.penalty)
         self.moment = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
         self.largest_force = float(np.abs(force).max())
@@ -113,7 +119,8 @@ class Iteration:
         self.gradient, self.response = np.zeros_like(self.x), np.zeros_like(self.x)
         self.slope = p.load.density * p.load.body_force
         self.datum = p.datum if p.load.datum is None else p.load.datum
-        self.before, self.done = self.x, 0
+        self.done = 0
+        self.moves: list[float] = []  # rms displacement [m] of every iteration
 
     def advance(self) -> None:
         """One iteration."""
@@ -136,7 +143,9 @@ class Iteration:
         x[model.mesh.fixed] = model.clamped[model.mesh.fixed]
         if p.load.volume is not None:
             x += self._correction(p.load.volume - model.half_shell - float(cone), gradient, x)
-        self.before, self.x = self.x, x
+        change = (x - self.x).ravel()
+        self.moves.append(math.sqrt(float(change @ change) / len(x)))
+        self.x = x
         self.done += 1
 
     def _correction(self, missing: float, gradient: Array, x: Array) -> Array:
@@ -152,6 +161,22 @@ class Iteration:
         self.datum += correction
         return correction * self.response
 
+    @property
+    def left(self) -> float:
+        """Rms displacement [m] that all further iterations would add at the present contraction."""
+        if self.done <= SPAN:
+            return math.inf
+        least, most = CONTRACTION
+        ratio = self.moves[-1] / max(self.moves[-1 - SPAN], 1e-300)
+        rate = min(max(ratio ** (1.0 / SPAN), least), most)
+        return float(self.moves[-1] * rate / (1.0 - rate))
+
+    @property
+    def near_enough(self) -> bool:
+        """Whether what is left is within the tolerance."""
+        p = self.problem
+        return self.done >= LEAST and self.left <= p.settings.tolerance * p.model.size
+
     def look(self) -> None:
         """Find what touches now; it is kept apart from here on."""
         p, model = self.problem, self.problem.model
@@ -166,15 +191,13 @@ class Iteration:
         Raises ArithmeticError instead of returning a position that is not finite.
         """
         p, model = self.problem, self.problem.model
-        change = float(np.sqrt(np.mean((self.x - self.before) ** 2) * 3.0))
-        if not math.isfinite(change + self.datum):
+        if not math.isfinite(self.moves[-1] + self.datum):
             raise self._diverged("the position is no longer finite")
         bounds = Bounds(
             model=model,
             start=p.committed,
             limit=p.limit,
             volume=p.load.volume,
-            strain_limit=p.strain_limit,
             response=self.response,
         )
         try:
@@ -190,11 +213,11 @@ class Iteration:
             datum=self.datum,
             volume=end.volume,
             strain=end.strain,
-            change=change,
+            change=self.left,
             iterations=self.done,
             contact=end.contact,
             planes=self.planes,
-            converged=end.converged,
+            converged=end.converged and self.near_enough,
         )
 
     def _diverged(self, symptom: str) -> ArithmeticError:
@@ -210,24 +233,25 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
     """Solve the step under nodal ``force`` (n, 3) [N].
 
     ``first``: the step's first solution, which decided the number of iterations and what touches;
-    None: as many as it takes to converge, within the settings' bounds. ``near``: whether parts of
+    None: as many as it takes to converge, within the settings' bound. ``near``: whether parts of
     the sheet were near each other at the step's start, so that it pays to look while iterating.
     Raises ArithmeticError when the iteration diverges.
     """
     settings = problem.settings
     run = Iteration(problem, force, None if first is None else first.planes)
-    if first is not None:
-        for _ in range(first.iterations):
-            run.advance()
-        return run.finish()
-    for k in range(settings.iterations):
-        if near and 2 * k >= settings.iterations and run.planes is None:
+    wanted = settings.iterations if first is None else first.iterations
+    while run.done < wanted and not (first is None and run.near_enough):
+        if near and first is None and run.planes is None and run.done >= CONTACT_AFTER:
             run.look()
         run.advance()
+    for _ in range(round(MARGIN * run.done) if first is None and settings.tolerance > 0.0 else 0):
+        run.advance()
+    while run.done < settings.iterations and not run.near_enough:
+        run.advance()
     solution = run.finish()
-    while run.done < settings.iterations_max and not solution.converged:
+    while first is None and run.done < settings.iterations and not solution.converged:
         run.look()
-        for _ in range(CONTACT_EVERY if run.planes is not None else 1):
+        for _ in range(CONTACT_EVERY):
             run.advance()
         solution = run.finish()
     return solution

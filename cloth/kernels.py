@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from cloth.arrays import Array, Bools, Ints
 from cloth.compiled import compiled
 
@@ -19,10 +17,6 @@ def limited(
 ) -> tuple[float, float]:
     """See ``cloth.reference.limited``."""
     soft = 1.0 / (penalty + compressive)
-    if tensile < 0.0:
-        a = min(1.0, (penalty * first + compressive) * soft) if first < 1.0 else 1.0
-        b = min(1.0, (penalty * second + compressive) * soft) if second < 1.0 else 1.0
-        return a, b
     e, f = first - 1.0, second - 1.0
     both = penalty * (e + f) / (penalty + tensile / (1.0 - poisson))
     apart = penalty * (e - f) / (penalty + tensile / (1.0 + poisson))
@@ -46,7 +40,7 @@ def project_stretch(
     spread = math.sqrt(half * half + b * b)
     s1 = math.sqrt(mean + spread)
     s2 = math.sqrt(max(mean - spread, 1e-12))
-    if tensile < 0.0 and compressive == 0.0 and s1 <= 1.0:
+    if compressive == 0.0 and s1 <= 1.0:
         return 1.0, 0.0, 1.0
     f1, f2 = limited(s1, s2, penalty, tensile, compressive, poisson)
     f1, f2 = f1 / max(s1, 1e-6), f2 / s2
@@ -175,46 +169,4 @@ def principal_strains(x: Array, triangles: Ints, gradients: Array, strain: Array
         mean, half = 0.5 * (a + c), 0.5 * (a - c)
         strain[t] = math.sqrt(mean + math.sqrt(half * half + b * b)) - 1.0
         worst = max(worst, strain[t])
-    return worst
-
-
-@compiled
-def shorten_step(
-    x: Array, triangles: Ints, gradients: Array, mobility: Array, limit: float
-) -> float:
-    """See ``cloth.reference.shorten_step``."""
-    worst = 0.0
-    f = np.empty((3, 2))
-    for t in range(triangles.shape[0]):
-        a, b, c = 0.0, 0.0, 0.0
-        for d in range(3):
-            f0, f1 = 0.0, 0.0
-            for i in range(3):
-                v = x[triangles[t, i], d]
-                f0 += v * gradients[t, i, 0]
-                f1 += v * gradients[t, i, 1]
-            f[d, 0], f[d, 1] = f0, f1
-            a += f0 * f0
-            b += f0 * f1
-            c += f1 * f1
-        mean, half = 0.5 * (a + c), 0.5 * (a - c)
-        spread = math.sqrt(half * half + b * b)
-        stretch = math.sqrt(mean + spread)
-        excess = stretch - 1.0 - limit
-        worst = max(worst, excess)
-        if not excess > 0.0:
-            continue
-        cosine = math.sqrt(max(0.0, 0.5 + 0.5 * half / spread)) if spread > 0.0 else 1.0
-        sine = math.copysign(math.sqrt(max(0.0, 1.0 - cosine * cosine)), b)
-        ease = 0.0
-        for i in range(3):
-            along = gradients[t, i, 0] * cosine + gradients[t, i, 1] * sine
-            ease += mobility[triangles[t, i]] * along * along
-        if ease <= 0.0:
-            continue
-        for i in range(3):
-            along = gradients[t, i, 0] * cosine + gradients[t, i, 1] * sine
-            move = excess / ease * mobility[triangles[t, i]] * along / stretch
-            for d in range(3):
-                x[triangles[t, i], d] -= move * (f[d, 0] * cosine + f[d, 1] * sine)
     return worst

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -37,58 +37,35 @@ class Load(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """Inner iteration of a step.
+    """Inner iteration of a step, and the sheet's damping.
 
-    ``penalty`` k [N/m] of the strain limit, at least (see ``raised``); ``relaxation`` r [-], 1 to
-    1.8; ``contact_weight`` [-], the shell's penalty over m/b^2; ``bending_damping`` tau_b [s];
-    ``drag`` alpha [1/s], on the tangential velocity alone, per cloth mass; ``iterations`` always
-    done and at most done when a strain is above the limit.
+    ``tolerance`` [-]: the rms displacement over the sheet's size L that is left when it stops, as
+    the contraction of its last iterations has it; 0 for a fixed number of ``iterations``, which
+    otherwise bounds it. ``penalty`` k [N/m] of the stretch, None for ``penalty_of`` the step;
+    ``shell_weight`` [-]: the shell's penalty at a node of mean mass, over k; ``relaxation`` r [-],
+    1 to 1.85. ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on the tangential velocity
+    alone, per cloth mass.
     """
 
-    penalty: float
-    relaxation: float
-    contact_weight: float
-    bending_damping: float
-    drag: float
-    iterations: int
-    iterations_max: int
+    tolerance: float = 1e-5
+    iterations: int = 1000
+    penalty: float | None = None
+    shell_weight: float = 0.15
+    relaxation: float = 1.7
+    bending_damping: float = 1.0
+    drag: float = 100.0
 
 
-def raised(settings: Settings, load: Load, *, size: float, inertia: float) -> Settings:
-    """``settings`` with the penalty k in proportion to what a step of a sheet has to hold.
+def penalty_of(load: Load, *, size: float, inertia: float) -> float:
+    """The penalty k [N/m] in proportion to what a step has to hold.
 
-    ``size`` L [m] of the sheet. ``inertia`` [N/m] is rho_d t L h/b^2, h the grid's spacing and b
-    the step's time: k between the inertia of the sheet's longest and of its shortest waves, or a
-    short step creeps and shakes itself. Below half the tension the iteration diverges, far above
-    it crawls: a dome carries T = rho |b| L^2/2, above which k is raised by powers of four, so
-    that a shaken tank needs few different matrices.
+    The larger of the pressure's tension, rho |b| L^2 with the sheet's ``size`` L [m] or a given
+    datum times L, and of its ``inertia`` [N/m], rho_d t L^2/b^2 with the step's time b. In steps of
+    sqrt(2), so that a shaken tank needs few different matrices.
     """
-    least = max(settings.penalty, inertia)
-    strength = float(np.linalg.norm(load.body_force))
-    ratio = 0.5 * load.density * strength * size**2 / least
-    if math.isfinite(ratio) and ratio > 1.0:
-        least *= 4.0 ** math.ceil(math.log(ratio, 4.0))
-    return replace(settings, penalty=least)
-
-
-DRY = Settings(
-    penalty=2000.0,
-    relaxation=1.7,
-    contact_weight=2.0,
-    bending_damping=1.0,
-    drag=100.0,
-    iterations=10,
-    iterations_max=400,
-)
-WET = Settings(
-    penalty=1e4,
-    relaxation=1.7,
-    contact_weight=3.0,
-    bending_damping=1.0,
-    drag=100.0,
-    iterations=20,
-    iterations_max=400,
-)
-# For the inertia of a smooth potential. A shell that goes by the sheet's own mass, as above, lets
-# violent sway at low fill diverge.
-WET_LONG_WAVES = replace(WET, contact_weight=30.0)
+    tension = load.density * float(np.linalg.norm(load.body_force)) * size**2
+    tension = max(tension, abs(load.datum or 0.0) * size)
+    ratio = tension / inertia
+    if not (math.isfinite(ratio) and ratio > 1.0):
+        return inertia
+    return float(inertia * 2.0 ** (0.5 * math.ceil(2.0 * math.log2(ratio))))

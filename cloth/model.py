@@ -19,10 +19,10 @@ from cloth.self_contact.resolve import SelfContact
 class ClothModel:
     """Mesh, mass, stretch and bending of a sheet, and the shell around it, if any.
 
-    ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` (m,) [N/m]: E t of an elastic
-    sheet, -1 where inextensible; ``compressive`` (m,) [N/m]; ``size`` [m], half the mesh's largest
-    extent; ``clamped`` (n, 3) [m], where fixed nodes are held; ``mobility`` (n,) [1/kg], 0 where
-    fixed; ``inertia`` [kg], of an area as long as the sheet and as wide as a triangle.
+    ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` and
+    ``compressive`` (m,) [N/m]; ``poisson`` [-], 0 of a sheet stiffer than its rubber; ``size`` L
+    [m], half the mesh's largest extent; ``clamped`` (n, 3) [m], where fixed nodes are held;
+    ``mobility`` (n,) [1/kg], 0 where fixed; ``inertia`` [kg], of an area L^2.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class ClothModel:
         thickness: Array | None,
         clamped: Array,
         shell_radius: float | None,
-        elastic: bool,
+        tensile_stiffness: float | None,
         compressive_stiffness: float | None,
         self_contact: bool,
     ) -> None:
@@ -48,18 +48,17 @@ class ClothModel:
         self.thickness = thickness
         area = lumped(mesh)
         self.mass = lumped(mesh, diaphragm.density * thickness)
-        spacing = math.sqrt(2.0 * float(self.areas.mean()))
-        self.inertia = float(self.mass.sum() / area.sum()) * self.size * spacing
+        self.inertia = float(self.mass.sum() / area.sum()) * self.size**2
         self.mobility = np.where(self.free, 1.0 / self.mass, 0.0)
         self.self_contact = (
             SelfContact(mesh.triangles, self.mobility, float(thickness.max()))
             if self_contact
             else None
         )
-        self.poisson = diaphragm.poisson_ratio
         stiffness = diaphragm.youngs_modulus * thickness
-        self.elastic = elastic
-        self.tensile = stiffness if elastic else np.full_like(stiffness, -1.0)
+        self.poisson, self.tensile = diaphragm.poisson_ratio, stiffness
+        if tensile_stiffness is not None:
+            self.poisson, self.tensile = 0.0, np.full_like(stiffness, tensile_stiffness)
         self.compressive = (
             stiffness
             if compressive_stiffness is None
@@ -84,15 +83,12 @@ class ClothModel:
         cone = kernels.volume_and_gradient(position, self.triangles, self.free, gradient)
         return self.half_shell + float(cone), gradient
 
-    def contact_weight(self, settings: Settings, b: float) -> Array:
-        """Penalty of the shell (n,) [N/m], none on the fixed nodes."""
+    def shell_penalty(self, settings: Settings, penalty: float) -> Array:
+        """Penalty of the shell (n,) [N/m] with the stretch's ``penalty`` [N/m]; 0 if fixed."""
         if self.shell_radius is None:
             return np.zeros(len(self.mass))
-        return np.where(self.free, settings.contact_weight * self.mass / b**2, 0.0)
-
-    def penalty(self, settings: Settings) -> Array:
-        """Penalty of the strain limit (m,) [N/m]."""
-        return np.full(len(self.triangles), settings.penalty)
+        share = self.mass / self.mass[self.free].mean()
+        return np.where(self.free, settings.shell_weight * penalty * share, 0.0)
 
     def bending_force(self, position: Array) -> Array:
         """-dE/dx (n, 3) [N] of the bending energy, the turning of the normals left out."""
@@ -104,13 +100,12 @@ class ClothModel:
         )
         return force
 
-    def system(self, settings: Settings, b: float) -> System:
-        """S = M (1 + alpha b)/b^2 + k L + Q (1 + tau_b/b) + w_c, factorised."""
+    def system(self, settings: Settings, penalty: float, b: float) -> System:
+        """S = M (1 + alpha b)/b^2 + k L + Q (1 + tau_b/b) + w_c, factorised; k the ``penalty``."""
         size = len(self.mass)
-        diagonal = self.mass * (1.0 + settings.drag * b) / b**2 + self.contact_weight(settings, b)
-        matrix = stretch_matrix(
-            self.triangles, self.gradients, self.penalty(settings) * self.areas, size
-        )
+        diagonal = self.mass * (1.0 + settings.drag * b) / b**2
+        diagonal += self.shell_penalty(settings, penalty)
+        matrix = stretch_matrix(self.triangles, self.gradients, penalty * self.areas, size)
         matrix = matrix + self.bending.matrix * (1.0 + settings.bending_damping / b)
         matrix.setdiag(matrix.diagonal() + diagonal)
         return System(matrix, self.free)

@@ -18,26 +18,24 @@ def limited(
 ) -> tuple[Array, Array]:
     """The sheet's own principal stretches for those asked for, ``first`` >= ``second``.
 
-    Minimises k/2 |sigma' - sigma|^2 + W(sigma'), ``penalty`` k [N/m]. W of an inextensible sheet
-    (``tensile`` below 0): sigma' <= 1, and ``compressive`` K [N/m] resists shortening,
-    K/2 (sigma' - 1)^2 (0: free to wrinkle). W of an elastic one, T = E t = ``tensile`` [N/m]: the
-    plane-stress energy T/(2 (1 - nu^2)) (e1^2 + e2^2 + 2 nu e1 e2) of e = sigma' - 1 where it
-    pulls both ways; T/2 e1^2 where it pulls one way (tension field: Pipkin 1986), across which K
-    holds the natural width; where K >= T the first form holds for compression too.
+    Minimises k/2 |sigma' - sigma|^2 + W(sigma'), ``penalty`` k [N/m]. W of a sheet with
+    T = ``tensile`` [N/m], its E t: the plane-stress energy
+    T/(2 (1 - nu^2)) (e1^2 + e2^2 + 2 nu e1 e2) of e = sigma' - 1 where it pulls both ways;
+    T/2 e1^2 where it pulls one way (tension field: Pipkin 1986), across which K = ``compressive``
+    [N/m] holds the natural width, K/2 (e2 + nu e1)^2; K/2 (e1^2 + e2^2) where it does not pull.
+    Where K >= T the first form holds for compression too.
     """
     soft = 1.0 / (penalty + compressive)
-    short = [np.minimum(1.0, (penalty * s + compressive) * soft) for s in (first, second)]
-    e, f, t = first - 1.0, second - 1.0, np.maximum(tensile, 0.0)
-    both = penalty * (e + f) / (penalty + t / (1.0 - poisson))
-    apart = penalty * (e - f) / (penalty + t / (1.0 + poisson))
-    pull = penalty * e / (penalty + t)
+    e, f = first - 1.0, second - 1.0
+    both = penalty * (e + f) / (penalty + tensile / (1.0 - poisson))
+    apart = penalty * (e - f) / (penalty + tensile / (1.0 + poisson))
+    pull = penalty * e / (penalty + tensile)
     two = (compressive >= tensile) | (f >= 0.5 * (both - apart))
     one = e > 0.0
     a = np.where(two, 0.5 * (both + apart), np.where(one, pull, penalty * e * soft))
     narrowing = np.where(one, compressive * poisson * pull, 0.0)
     b = np.where(two, 0.5 * (both - apart), (penalty * f - narrowing) * soft)
-    rigid = tensile < 0.0
-    return np.where(rigid, short[0], 1.0 + a), np.where(rigid, short[1], 1.0 + b)
+    return 1.0 + a, 1.0 + b
 
 
 def membrane_step(
@@ -174,25 +172,3 @@ def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs:
     normal = gradient[on] / np.linalg.norm(gradient[on], axis=1)[:, None]
     along = np.einsum("id,id->i", normal, x[on] - anchor[on])
     rhs[on] += (drag[on] * along)[:, None] * normal
-
-
-def shorten_step(
-    x: Array, triangles: Ints, gradients: Array, mobility: Array, limit: float
-) -> float:
-    """One Gauss-Seidel sweep that takes back what a triangle is stretched above ``limit``.
-
-    Where the larger principal stretch s exceeds 1 + ``limit``, along the direction d in the moulded
-    plane, C = |F d| = s has the gradients (g_i . d) F d / s with respect to x_i: the corners move
-    along them, in proportion to ``mobility`` (n,) [1/kg] (0: held), until C = 1 + limit to first
-    order (Mueller et al. 2007). Changes ``x`` (n, 3) [m]; returns the largest excess met.
-    """
-    worst = 0.0
-    for corner, g in zip(triangles, gradients, strict=True):
-        left, sigma, right = np.linalg.svd(x[corner].T @ g, full_matrices=False)
-        excess = sigma[0] - 1.0 - limit
-        worst = max(worst, excess)
-        along = g @ right[0]
-        ease = float(mobility[corner] @ along**2)
-        if excess > 0.0 and ease > 0.0:
-            x[corner] -= excess / ease * (mobility[corner] * along)[:, None] * left[:, 0]
-    return worst

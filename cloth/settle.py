@@ -15,7 +15,8 @@ from cloth.step import Cloth
 log = logging.getLogger(__name__)
 
 BENDING_DAMPING = 1.0  # s, at least this while settling: it leaves the equilibrium as it is
-ITERATIONS = 60  # at least; 20 leave short waves that momentum would amplify
+RAMPING = 10  # iterations of a pseudo-step while the volume changes
+ITERATIONS = 60  # of the others, if not given; 20 leave short waves that momentum would amplify
 MOMENTUM = 0.97  # of the last step, at most
 COASTING = 0.2  # momentum multiplies a slow motion by up to 1 / (1 - MOMENTUM) = 33
 SLIDING = 0.5  # weight of tangential motion: slack cloth slides on where hardly a force holds it
@@ -108,11 +109,12 @@ def settle(
     ramp_steps: int = 100,
     tolerance: float = 4e-7,
     steps_max: int = 1500,
+    iterations: int = ITERATIONS,
 ) -> Settled:
     """Bring ``cloth`` to rest under ``load``, in place.
 
-    Implicit Euler steps of ``dt`` [s] that forget their velocity, with the dry settings, but more
-    iterations and bending damping; neither moves the equilibrium. The volume goes from where it
+    Implicit Euler steps of ``dt`` [s] that forget their velocity, with more bending
+    damping, which does not move the equilibrium. The volume goes from where it
     is to ``load.volume`` as a smooth ramp over ``ramp_steps`` (none with a given datum). Then
     steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` times
     half the mesh's extent (the radius, of a hemisphere): the rms displacement of a step alone, or
@@ -125,9 +127,10 @@ def settle(
     if cloth.held:
         return Settled(steps=0, change=0.0, converged=True)
     begin = cloth.state.volume
-    damping = max(BENDING_DAMPING, cloth.dry.bending_damping)
-    ramping = replace(cloth.dry, bending_damping=damping)
-    seeking = replace(ramping, iterations=max(ITERATIONS, ramping.iterations))
+    damping = max(BENDING_DAMPING, cloth.settings.bending_damping)
+    # A fixed number: pseudo-steps that stop early stop short of the equilibrium.
+    ramping = replace(cloth.settings, bending_damping=damping, tolerance=0.0, iterations=RAMPING)
+    seeking = replace(ramping, iterations=iterations)
     limit = tolerance * cloth.model.size
     momentum, change, quiet = _Momentum(), np.inf, 0
     cloth.halt()

@@ -12,7 +12,7 @@ from cloth.energy import SheetEnergy, SheetLosses, sheet_energy, sheet_losses
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
-from cloth.load import DRY, WET, Load, Settings, raised
+from cloth.load import Load, Settings, penalty_of
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
@@ -22,10 +22,11 @@ SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
 
 
 class Cloth:
-    """An inextensible (or elastic) sheet, free, clamped, or in a rigid spherical shell.
+    """An elastic sheet, free, clamped, or in a rigid spherical shell.
 
-    min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t I(sigma_max <= 1) + bending + sum I(|x| <= R)
-    minus the work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2.
+    min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t W(sigma) + bending + sum I(|x| <= R) minus the
+    work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2. W is the
+    stretch's energy (``cloth.reference.limited``).
     ``reference`` (n, 3) [m], ``triangles`` (m, 3), ``fixed`` (n,) are the mesh's; ``mass`` (n,)
     [kg]; ``thickness`` (m,) [m].
     """
@@ -38,43 +39,38 @@ class Cloth:
         shell_radius: float | None = None,
         thickness: Array | None = None,
         position: Array | None = None,
-        strain_limit: float = 0.01,
-        compressive_stiffness: float | None = 10.0,
-        elastic: bool = False,
+        tensile_stiffness: float | None = None,
+        compressive_stiffness: float | None = None,
         self_contact: bool = False,
-        dry: Settings = DRY,
-        wet: Settings = WET,
+        settings: Settings | None = None,
         held: bool = False,
     ) -> None:
         """At rest as moulded, or at ``position`` (n, 3) [m], where fixed nodes are then held.
 
         ``shell_radius`` [m], None for no shell (the volume is then the cone's alone);
-        ``thickness`` (m,) [m] of every triangle instead of the diaphragm's; ``strain_limit`` [-]
-        above which iterations are added; ``elastic``: E t resists tension instead of
-        inextensibility. ``compressive_stiffness`` [N/m] keeps
-        slack triangles in shape: 10 N/m at 10 % of compression and a radius of 0.44 m is 2.3 Pa,
-        0.2 mm of water; None is the sheet's own E t, for grids that resolve its wrinkles.
-        ``self_contact``: the sheet does not pass through itself, its mid-surfaces a thickness
-        apart; it must not do so at the start. ``dry`` and ``wet``: settings without and with added
-        mass. ``held``: no node ever moves.
+        ``thickness`` (m,) [m] of every triangle instead of the diaphragm's; ``tensile_stiffness``
+        and ``compressive_stiffness`` [N/m] instead of the rubber's own E t: large for a sheet that
+        hardly stretches, small for one that wrinkles below the grid. ``self_contact``: the sheet
+        does not pass through itself, its mid-surfaces a thickness apart; it must not do so at the
+        start. ``held``: no node ever moves.
         """
         position = mesh.points if position is None else position
         self.reference, self.triangles, self.fixed = mesh.points, mesh.triangles, mesh.fixed
-        self.held, self.strain_limit = held, strain_limit
+        self.held = held
         self.model = ClothModel(
             mesh=mesh,
             diaphragm=diaphragm,
             thickness=thickness,
             clamped=position,
             shell_radius=shell_radius,
-            elastic=elastic,
+            tensile_stiffness=tensile_stiffness,
             compressive_stiffness=compressive_stiffness,
             self_contact=self_contact,
         )
         self.mass, self.thickness = self.model.mass, self.model.thickness
-        self.dry, self.wet = dry, wet
+        self.settings = Settings() if settings is None else settings
         self._memory = Memory.at_rest(position, len(mesh.triangles), self.model.volume(position))
-        self._systems: dict[tuple[float, Settings], System] = {}
+        self._systems: dict[tuple[float, float, Settings], System] = {}
         self._dt = 0.0
         self._kin: Kinematics | None = None
         self._accepted_b = 0.0  # of the step that led to the committed state, 0 where none is known
@@ -93,7 +89,7 @@ class Cloth:
         """Start a step of ``dt`` [s] from the committed state.
 
         ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
-        ``settings``: for this step in place of ``dry`` or ``wet``.
+        ``settings``: for this step in place of the cloth's own.
         """
         if (load.volume is None) == (load.datum is None):
             raise ValueError("cloth load: give either the volume or the datum, not both.")
@@ -108,16 +104,17 @@ class Cloth:
         rows = None
         if added_mass is not None and len(added_mass) > 0:
             rows = np.where(self.model.free[None, :, None], added_mass / kin.b, 0.0)
-        if settings is None:
-            settings = self.dry if rows is None else self.wet
-        settings = raised(
-            settings, load, size=self.model.size, inertia=self.model.inertia / kin.b**2
-        )
-        system = self._factorised(settings, kin.b)
+        settings = self.settings if settings is None else settings
+        penalty = settings.penalty
+        if penalty is None:
+            inertia = self.model.inertia / kin.b**2
+            penalty = penalty_of(load, size=self.model.size, inertia=inertia)
+        system = self._factorised(settings, penalty, kin.b)
         system.add_mass(rows)
         self._problem = StepProblem(
             model=self.model,
             settings=settings,
+            penalty=penalty,
             system=system,
             dt=dt,
             kin=kin,
@@ -129,16 +126,15 @@ class Cloth:
             contact_force=m.contact_force,
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
             limit=self.model.limit,
-            strain_limit=self.strain_limit,
         )
 
-    def _factorised(self, settings: Settings, b: float) -> System:
+    def _factorised(self, settings: Settings, penalty: float, b: float) -> System:
         """The matrix for this b; the last few are kept, so that a first Euler step costs little."""
-        key = (b, settings)
+        key = (b, penalty, settings)
         if key not in self._systems:
             if len(self._systems) >= SYSTEMS_KEPT:
                 self._systems.pop(next(iter(self._systems)))
-            self._systems[key] = self.model.system(settings, b)
+            self._systems[key] = self.model.system(settings, penalty, b)
         return self._systems[key]
 
     def _begun(self) -> Kinematics:
@@ -162,7 +158,7 @@ class Cloth:
 
     @property
     def converged(self) -> bool:
-        """Whether the last solve of this step kept the strain limit and the volume."""
+        """Whether the last solve of this step met its tolerance and kept the volume."""
         return self._solution is None or self._solution.converged
 
     def solve(self, force: Array) -> Array:
@@ -246,8 +242,8 @@ class Cloth:
         return sheet_energy(self.model, self._memory)
 
     def losses(self) -> SheetLosses:
-        """In the step accepted last, by the damping of ``dry``; none before the first."""
-        return sheet_losses(self.model, self.dry, self._memory, self._accepted_b)
+        """In the step accepted last, by its damping; none before the first."""
+        return sheet_losses(self.model, self.settings, self._memory, self._accepted_b)
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs to go on bit for bit."""

@@ -16,11 +16,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from cloth.load import DRY, WET
 from coupling.foam.mesh import cells_made, half_ball
 from coupling.foam.solver_cache import built_for_any
 from coupling.scene import Scene
 
+_INNER = 40  # iterations of a solve of the cloth
 _CLOTH_ITERATION = 6e-4  # an inner iteration of 24 rings, a step's overhead spread over ten
 _SETTLING = 8000  # inner iterations of a settling
 _POTENTIAL = 30  # what a potential adds to a step, in inner iterations
@@ -41,15 +41,14 @@ def step_cost(scene: Scene, fluid: str) -> float:
     The cloth's share grows with its triangles and inner iterations, the flow's with its cells.
     """
     inner = _iteration_cost(scene)
-    stated = scene.cloth.iterations
     if fluid == "potential":
-        return inner * ((stated or WET.iterations) + _POTENTIAL)
+        return inner * (_INNER + _POTENTIAL)
     if fluid != "openfoam":
-        return inner * (stated or DRY.iterations)
+        return inner * _INNER
     solves = _ITERATIONS.get(scene.coupling.scheme, _COUPLED_SOLVES)
     size = cells_made(scene.openfoam.cells) / _CELLS
     flow = solves * (_FLOW_SOLVES / _COUPLED_SOLVES * size + _RESTART * (not _stays_alive(scene)))
-    cloth = inner * solves * (stated or WET.iterations)
+    cloth = inner * solves * _INNER
     if scene.coupling.scheme in _ITERATIONS:
         return float(cloth + flow)
     return float(cloth + inner * _COUPLED_ROWS + _ADDED_MASS * size**_GROWTH + flow)

@@ -33,7 +33,7 @@ class InterfaceProblem:
     differ in. The shift that closes it (``Flow.close_volume``) is nearly constant from step to
     step, and no motion: divided by b^2 it would be a false acceleration. So the shift at the shape
     expected is part of the step's map, for the start, the inertial prediction and every answer
-    alike. What is then left to close is of second order in the step.
+    alike. What is then left to close is of second order in the step, and no acceleration either.
     """
 
     def __init__(
@@ -45,6 +45,7 @@ class InterfaceProblem:
         self.start: Array  # (p, 3) [m], of the interface in this step
         self.moves = False  # the map, from step to step
         self._shift: Array  # (p, 3) [m], of the step's map: closes the volume where expected
+        self._closure: Array  # (p, 3) [m], of the structure's last answer, beyond that
         self._defects = Defects()
         self._inertia: AddedMass | None = None  # of this step
 
@@ -137,13 +138,16 @@ class InterfaceProblem:
 
     def _acceleration(self, points: Array) -> Array:
         """Of the interface (p, 3) [m/s^2] that ends the step at ``points`` (p, 3) [m]."""
-        return (points - self._inertial) / self.structure.acceleration_scale
+        return (points - self._closure - self._inertial) / self.structure.acceleration_scale
 
     def _structure_answer(self, force: Array) -> Array:
         """The interface (p, 3) that ``force`` (p, 3) [N] on it leads to, its volume closed."""
         with self._timed("structure"):
             self._nodes = self.structure.solve(self.mapping.to_cloth(force))
-        return self.close_volume(self._to_flow(self._nodes))
+        mapped = self._to_flow(self._nodes)
+        closed = self.close_volume(mapped)
+        self._closure = closed - mapped
+        return closed
 
     def accept_step(self) -> FlowSample:
         """Commit what the last call of ``image`` solved."""

@@ -86,6 +86,10 @@ class DiaphragmState(StructureState, Protocol):
     """The same of a rubber sheet, which tears and wears."""
 
     @property
+    def change(self) -> float:
+        """Rms displacement [m] that the solver's iteration has left, as estimated."""
+
+    @property
     def tension(self) -> Array:
         """Largest principal tension of every triangle (m,) [N/m]."""
 

@@ -19,6 +19,12 @@ _TYPES = {
     "tuple_type": "three numbers in brackets",
     "finite_number": "a finite number",
 }
+# Keys of former versions, and what to do now.
+_RETIRED = {
+    "cloth.strain_limit": "A sheet that is inextensible is now stiff: leave it out.",
+    "cloth.bending_damping": "Give cloth.fold_damping, the same time over sqrt(R/g).",
+    "cloth.drag": "Give cloth.slack_drag, the same rate over sqrt(g/R).",
+}
 _RANGES = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
@@ -52,6 +58,8 @@ def _problem(details: ErrorDetails, root: type[BaseModel]) -> str:
     key = ".".join(loc)
     owner, field = _find(root, names)
     got = _shown(details["input"])
+    if key in _RETIRED:
+        return f"{key}: is no longer known. {_RETIRED[key]}"
     if kind == "extra_forbidden":
         return f"{key}: unknown {_noun(details)}. {_nearest(names[-1], owner.model_fields)}"
     if kind == "missing":

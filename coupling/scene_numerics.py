@@ -24,8 +24,7 @@ class Cloth(Section):
     """The diaphragm's mesh and solver.
 
     ``grid = "thesis"`` is the thesis' own square grid and explicit algorithm, to be measured
-    against; of the settings here it takes ``resolution`` and ``strain_limit`` (its allowable
-    strain, a mean) only.
+    against; of the settings here it takes ``resolution`` only.
     """
 
     resolution: int = Field(
@@ -43,22 +42,24 @@ class Cloth(Section):
         description='wrinkling model: "relaxed" (folds below the grid) or "resolved" (by the '
         "rubber's own stiffness, on a grid that is fine enough)",
     )
-    strain_limit: float = Field(
-        default=0.01, gt=0, lt=1, description="largest principal tensile strain allowed"
+    tolerance: float = Field(
+        default=1e-5,
+        gt=0,
+        lt=0.01,
+        description="rms displacement over the radius that a solve may leave",
     )
-    iterations: int | None = Field(
-        default=None,
-        ge=1,
-        le=10000,
-        description="inner iterations of a solve; 10, or 20 with a flow, if left out",
+    iterations: int = Field(
+        default=1000, ge=20, le=100000, description="inner iterations of a solve, at most"
     )
-    bending_damping: float = Field(
-        default=1.0,
+    fold_damping: float = Field(
+        default=5.0,
         ge=0,
-        description="bending moment per rate over that per curvature [s]; stands for folds below "
-        "the grid",
+        description="bending moment per rate over that per curvature, over sqrt(R/g); stands for "
+        "folds below the grid",
     )
-    drag: float = Field(default=100.0, ge=0, description="tangential drag of slack cloth [1/s]")
+    slack_drag: float = Field(
+        default=20.0, ge=0, description="rate of slack cloth's tangential drag, over sqrt(g/R)"
+    )
 
     @model_validator(mode="before")
     @classmethod

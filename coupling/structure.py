@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from cloth.energy import SheetEnergy, SheetLosses
-from cloth.load import DRY, WET, WET_LONG_WAVES
+from cloth.load import Settings
 from cloth.mesh import hemisphere
 from cloth.settle import settle
 from cloth.step import Cloth
@@ -26,9 +26,13 @@ from coupling.ports import (
     Structure,
 )
 from coupling.scene import Scene
+from coupling.shaking import largest_body_force
 
 _log = logging.getLogger(__name__)
 HALVINGS = 3
+# Stiffness over rho |b| R^2 of the largest body force b, whose level dome pulls with half of that.
+TENSILE = 100.0  # of an inextensible sheet: that strains by half a per cent
+COMPRESSIVE = 0.003  # of a relaxed one: resists a compression of 10 % as 0.2 mm of liquid would
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
 
@@ -49,7 +53,7 @@ class Diaphragm(Structure, Protocol):
 
     @property
     def converged(self) -> bool:
-        """Whether the last solve kept the strain limit and the volume."""
+        """Whether the last solve met its tolerance and kept the volume."""
 
     @property
     def state(self) -> DiaphragmState:
@@ -75,31 +79,25 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
             grid=thesis_grid(radius, cloth.resolution),
             diaphragm=scene.diaphragm.sheet,
             shell_radius=radius,
-            strain=cloth.strain_limit,
             step=min(STEP, scene.time.step),
         )
-    wet = WET_LONG_WAVES if scene.model.fluid == "potential" else WET
-    stated: dict[str, Any] = {
-        "bending_damping": cloth.bending_damping,
-        "drag": cloth.drag,
-    }
-    if cloth.iterations is not None:
-        stated["iterations"] = cloth.iterations
-    stiffness: dict[str, Any] = {}
-    if cloth.wrinkling == "resolved":
-        stiffness["compressive_stiffness"] = None
+    swing = float(np.sqrt(radius / np.linalg.norm(scene.gravity)))  # [s]
+    unit = scene.liquid.density * largest_body_force(scene) * radius**2  # [N/m]
     mesh, ridges = hemisphere(radius, cloth.resolution), scene.diaphragm.moulded_thickness
     return Cloth(
         mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
         thickness=None if ridges is None else ridges.at(mesh.points[mesh.triangles].mean(axis=1)),
         shell_radius=radius,
-        strain_limit=cloth.strain_limit,
-        elastic=not scene.diaphragm.inextensible,
+        tensile_stiffness=TENSILE * unit if scene.diaphragm.inextensible else None,
+        compressive_stiffness=None if cloth.wrinkling == "resolved" else COMPRESSIVE * unit,
         self_contact=True,
-        dry=replace(DRY, **stated),
-        wet=replace(wet, **stated),
-        **stiffness,
+        settings=Settings(
+            tolerance=cloth.tolerance,
+            iterations=cloth.iterations,
+            bending_damping=cloth.fold_damping * swing,
+            drag=cloth.slack_drag / swing,
+        ),
     )
 
 

@@ -42,11 +42,11 @@ class Tally:
         """The diaphragm's end of a step, of ``steps`` parts which all ``converged``, or not."""
         self.statistics.halved_steps += steps > 1
         if not converged:
-            limit, strain = self.scene.cloth.strain_limit, float(state.strain.max(initial=0.0))
             self._unconverged(
                 time,
-                f"t = {time:.6g} s: the diaphragm's solver left a tensile strain of {strain:.2e} "
-                f"(cloth.strain_limit {limit:g}).",
+                f"t = {time:.6g} s: the diaphragm's solver left {state.change:.1e} m of motion "
+                f"(tolerance {self.scene.cloth.tolerance * self.scene.tank.radius:.1e} m), or "
+                "parts of the sheet in each other.",
                 f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
             )
 

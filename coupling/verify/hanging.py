@@ -17,7 +17,7 @@ from coupling.ports import Array, HydrostaticLoad
 from coupling.verify.case import VerifyResult, quantity
 from coupling.verify.mirrored import MirroredCloth
 from coupling.verify.profiles import chain_root, lintearia_sheet
-from coupling.verify.sheets import FILM, SLACK, bring_to_rest, film_settings, water, within
+from coupling.verify.sheets import FILM, SLACK, TAUT, bring_to_rest, film_settings, water, within
 
 GRAVITY = 9.81
 AMPLITUDE = 1e-3  # of the free end, over L: the linear theory errs by its square
@@ -52,8 +52,9 @@ def lintearia(*, length_ratio: float = 1.5, resolution: int = 24) -> VerifyResul
         mesh=mesh,
         diaphragm=FILM,
         position=start,
+        tensile_stiffness=TAUT,
         compressive_stiffness=SLACK,
-        dry=film_settings(10.0 * exact.tension, 200),
+        settings=film_settings(10.0 * exact.tension, 200),
     )
     bring_to_rest("lintearia", cloth, water())
     line = np.flatnonzero(np.abs(mesh.points[:, 1]) < 1e-9 * length)
@@ -113,10 +114,11 @@ def _swing(mode: int, step: float, segments: int, duration: float) -> tuple[Arra
         mesh=mesh,
         diaphragm=replace(FILM, density=1.0),
         position=start,
+        tensile_stiffness=TAUT,
         compressive_stiffness=SLACK,
-        dry=settings,
+        settings=settings,
     )
-    first = replace(settings, iterations=FIRST_ITERATIONS, iterations_max=FIRST_ITERATIONS)
+    first = replace(settings, iterations=FIRST_ITERATIONS)
     load = HydrostaticLoad(density=0.0, body_force=np.array([GRAVITY, 0.0, 0.0]), datum=0.0)
     none = np.zeros_like(start)
     weight = cloth.mass * shape / float(cloth.mass @ (shape * start[:, 2]))

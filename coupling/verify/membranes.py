@@ -12,7 +12,7 @@ from cloth.step import Cloth
 from coupling.ports import Array, HydrostaticLoad
 from coupling.verify.case import VerifyResult, quantity
 from coupling.verify.profiles import hammock_bag, mylar_balloon, natural_balloon
-from coupling.verify.sheets import FILM, SLACK, bring_to_rest, film_settings, water, within
+from coupling.verify.sheets import FILM, SLACK, TAUT, bring_to_rest, film_settings, water, within
 
 SECTORS = 4  # per ring: edges along and across the rays are equal at 2/3 of the radius
 ITERATIONS = 100
@@ -40,8 +40,9 @@ def mylar(*, resolution: int = 24) -> VerifyResult:
         mesh=mesh,
         diaphragm=FILM,
         position=mesh.points + bulge[:, None] * [0.0, 0.0, 1.0],
+        tensile_stiffness=TAUT,
         compressive_stiffness=SLACK,
-        dry=film_settings(PENALTY_MYLAR * resolution, ITERATIONS),
+        settings=film_settings(PENALTY_MYLAR * resolution, ITERATIONS),
     )
     load = HydrostaticLoad(density=0.0, body_force=np.zeros(3), datum=1.0)
     bring_to_rest("mylar", cloth, load)
@@ -79,8 +80,9 @@ def balloon(*, resolution: int = 24) -> VerifyResult:
         mesh=mesh,
         diaphragm=FILM,
         position=start,
+        tensile_stiffness=TAUT,
         compressive_stiffness=SLACK,
-        dry=film_settings(PENALTY_BALLOON * resolution, ITERATIONS),
+        settings=film_settings(PENALTY_BALLOON * resolution, ITERATIONS),
     )
     bring_to_rest("balloon", cloth, water())
     x, exact, length = cloth.state.position, natural_balloon(), 2.0
@@ -113,8 +115,9 @@ def hammock(*, ratio: float = 0.8, resolution: int = 24) -> VerifyResult:
         mesh=mesh,
         diaphragm=FILM,
         position=start,
+        tensile_stiffness=TAUT,
         compressive_stiffness=SLACK,
-        dry=film_settings(PENALTY_HAMMOCK * resolution, ITERATIONS),
+        settings=film_settings(PENALTY_HAMMOCK * resolution, ITERATIONS),
     )
     bring_to_rest("hammock", cloth, water())
     x, exact = cloth.state.position, hammock_bag(ratio)

@@ -17,6 +17,7 @@ from coupling.verify.case import CaseError
 FILM = Diaphragm(density=1e-5, thickness=1.0, youngs_modulus=0.0, poisson_ratio=0.0)
 PSEUDO_STEP = 0.1  # s
 SLACK = 1e-4  # N/m against compression, 1e-4 of the tension
+TAUT = 1e4  # N/m against stretch, which leaves strains of 1e-4
 TOLERANCE = 1e-6  # rms motion of a pseudo step, of half the sheet's extent
 STEPS_MAX = 400
 
@@ -28,13 +29,7 @@ def film_settings(penalty: float, iterations: int) -> Settings:
     ``iterations``: pseudo steps left unconverged are what the extrapolation amplifies.
     """
     return Settings(
-        penalty=penalty,
-        relaxation=1.7,
-        contact_weight=2.0,
-        bending_damping=0.0,
-        drag=0.0,
-        iterations=iterations,
-        iterations_max=iterations,
+        tolerance=0.0, iterations=iterations, penalty=penalty, bending_damping=0.0, drag=0.0
     )
 
 
@@ -56,6 +51,7 @@ def bring_to_rest(
         ramp_steps=1,
         tolerance=TOLERANCE,
         steps_max=STEPS_MAX,
+        iterations=cloth.settings.iterations,
     )
     if not done.converged:
         raise RunFailed(

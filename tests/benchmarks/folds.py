@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import matplotlib
@@ -26,7 +25,7 @@ from threadpoolctl import threadpool_limits
 
 sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
 
-from cloth.load import DRY
+from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh, hemisphere
 from cloth.settle import settle
@@ -77,7 +76,7 @@ def main(rings: int, fill_fraction: float, steps: int) -> None:
     mesh = hemisphere(RADIUS, rings)
     cloth = Cloth(
         mesh=mesh, diaphragm=SHEET, shell_radius=RADIUS, compressive_stiffness=None,
-        self_contact=True, dry=replace(DRY, iterations=40),
+        self_contact=True, settings=Settings(),
     )  # fmt: skip
     volume = fill_fraction * 4.0 / 3.0 * math.pi * RADIUS**3
     load = HydrostaticLoad(

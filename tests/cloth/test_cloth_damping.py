@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg as sl
 
 from cloth.inertia import kinematics
-from cloth.load import DRY, Settings
+from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh, border_nodes, hemisphere
 from cloth.step import Cloth
@@ -29,7 +29,7 @@ def free(mesh: Mesh, settings: Settings) -> Cloth:
     """Neither clamped nor near a shell."""
     loose = replace(mesh, fixed=np.zeros(len(mesh.points), dtype=bool))
     return Cloth(
-        mesh=loose, diaphragm=SHEET, shell_radius=10.0, compressive_stiffness=0.0, dry=settings
+        mesh=loose, diaphragm=SHEET, shell_radius=10.0, compressive_stiffness=0.0, settings=settings
     )
 
 
@@ -57,7 +57,7 @@ def plate(side: float, cells: int) -> Mesh:
 @pytest.mark.parametrize("tau", [0.05, 3.0])
 def test_rigid_motion_of_the_moulded_shape_is_not_damped(tau):
     """Turning by 1e-5 rad: the second order in it, 1e-10 of stretch, is all that may be felt."""
-    cloth = free(hemisphere(0.4445, 6), replace(DRY, bending_damping=tau, drag=0.0))
+    cloth = free(hemisphere(0.4445, 6), Settings(bending_damping=tau, drag=0.0))
     turning = np.cross([1e-3, 5e-4, 0.0], cloth.reference) + np.array([0.0, 3e-4, -2e-4])
     end = advance(cloth, turning, 1e-3, 10)
     np.testing.assert_allclose(end, turning, atol=1e-4 * np.abs(turning).max())
@@ -76,7 +76,7 @@ def test_bending_wave_decays_at_its_rate(tau):
         mesh=mesh,
         diaphragm=SHEET,
         compressive_stiffness=0.0,
-        dry=replace(DRY, bending_damping=tau, drag=0.0, penalty=1e-2, iterations=40),
+        settings=Settings(bending_damping=tau, drag=0.0, penalty=1e-2),
     )
     sine = np.prod(np.sin(np.pi * cloth.reference[:, :2] / side), axis=1)
     inside = ~mesh.fixed
@@ -104,7 +104,7 @@ def test_bending_wave_decays_at_its_rate(tau):
 def test_bending_loss_is_that_of_the_step_s_own_formula(steps):
     """An Euler step, an even one, and one of half or twice the length of the one before."""
     tau = 0.05
-    cloth = free(hemisphere(0.4445, 6), replace(DRY, bending_damping=tau, drag=0.0))
+    cloth = free(hemisphere(0.4445, 6), Settings(bending_damping=tau, drag=0.0))
     velocity = cloth.reference * [0.1, -0.1, 0.0]
     cloth.restore({**cloth.save(), "velocity": velocity})
     before = cloth.reference

@@ -27,7 +27,7 @@ def crumpled(mesh: Mesh) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("tensile", "compressive"), [(-1.0, 0.0), (-1.0, 10.0), (40.0, 0.0), (40.0, 5.0), (40.0, 40.0)]
+    ("tensile", "compressive"), [(40.0, 0.0), (1e4, 10.0), (40.0, 5.0), (40.0, 40.0)]
 )
 @pytest.mark.parametrize("poisson", [0.0, 0.5])
 def test_triangle_step(mesh, crumpled, tensile, compressive, poisson):
@@ -55,7 +55,7 @@ def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
     rhs, gradient = np.zeros((2, *mesh.points.shape))
     one = np.ones(len(areas))
     kernels.triangle_step(
-        1.5 * mesh.points, mesh.triangles, gradients, areas, one, 1.0, -one, 0.0 * one, 0.5,
+        1.5 * mesh.points, mesh.triangles, gradients, areas, one, 1.0, 1e15 * one, 0.0 * one, 0.5,
         z, u, 0.0, np.zeros(3), ~mesh.fixed, gradient, rhs,
     )  # fmt: skip
     np.testing.assert_allclose(np.linalg.svd(z, compute_uv=False), 1.0, atol=1e-12)
@@ -70,32 +70,6 @@ def test_principal_strains(mesh, crumpled):
         worst, rel=1e-12
     )
     np.testing.assert_allclose(got, wanted, atol=1e-12)
-
-
-def test_shorten_step(mesh, crumpled):
-    gradients, _ = rest_gradients(mesh.points, mesh.triangles)
-    mobility = np.where(mesh.fixed, 0.0, np.linspace(1.0, 2.0, len(crumpled)))
-    answers = []
-    for module in (reference, kernels):
-        x = crumpled.copy()
-        worst = [module.shorten_step(x, mesh.triangles, gradients, mobility, 0.05) for _ in "abc"]
-        answers.append((np.array(worst), x))
-    for wanted, got in zip(*answers, strict=True):
-        np.testing.assert_allclose(got, wanted, atol=ROUNDING)
-    np.testing.assert_array_equal(x[mesh.fixed], crumpled[mesh.fixed])
-
-
-def test_shortening_one_triangle_is_exact(mesh):
-    """Stretched one way by 20 %: back to 5 % in two sweeps, its centre of mass where it was."""
-    corner, one = mesh.points[mesh.triangles[:1, :]][0], np.array([[0, 1, 2]])
-    gradients, _ = rest_gradients(corner, one)
-    way = (corner[1] - corner[0]) / np.linalg.norm(corner[1] - corner[0])
-    x = corner + 0.2 * (corner @ way)[:, None] * way
-    centre, strain = x.mean(axis=0), np.empty(1)
-    assert kernels.shorten_step(x, one, gradients, np.ones(3), 0.05) == pytest.approx(0.15)
-    kernels.shorten_step(x, one, gradients, np.ones(3), 0.05)  # the direction turned a little
-    assert kernels.principal_strains(x, one, gradients, strain) == pytest.approx(0.05, abs=1e-6)
-    np.testing.assert_allclose(x.mean(axis=0), centre, atol=1e-14)
 
 
 def test_volume_and_gradient(mesh, crumpled):

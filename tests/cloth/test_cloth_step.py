@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from cloth.contact import slid
 from cloth.inertia import kinematics
-from cloth.load import DRY, raised
+from cloth.load import Settings, penalty_of
 from cloth.material import Diaphragm, diaphragm
 from cloth.mesh import Mesh, hemisphere
 from cloth.settle import settle
@@ -22,6 +22,7 @@ R = 0.4445
 TANK = 4.0 / 3.0 * math.pi * R**3
 WATER = 997.0
 GRAVITY = np.array([0.0, 0.0, -9.81])
+TAUT, SLACK = 3e5, 10.0  # N/m: 155 and 0.005 times rho g R^2
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Water:
 
 def build(rings: int, **options) -> Cloth:
     sheet = diaphragm("AF-E-332", 1.778e-3)
+    options = {"tensile_stiffness": TAUT, "compressive_stiffness": SLACK} | options
     return Cloth(mesh=hemisphere(R, rings), diaphragm=sheet, shell_radius=R, **options)
 
 
@@ -174,7 +176,7 @@ def test_pad_sway_keeps_length_and_volume(fill, patches):
     assert settle(cloth, Water(fill * TANK, GRAVITY)).converged
     volume, swing = cloth.state.volume, []
     for state in run(cloth, 320, patches=patches):
-        assert state.strain.max() <= cloth.strain_limit
+        assert cloth.converged
         assert abs(state.volume / volume - 1.0) <= 1e-9
         assert np.linalg.norm(state.position, axis=1).max() <= R * (1.0 + 1e-12)
         swing.append(liquid_moment(state.position, cloth.model.mesh)[0] / volume)
@@ -266,7 +268,7 @@ def test_momentum_balance_names_the_acceleration():
         diaphragm=sheet,
         shell_radius=R,
         compressive_stiffness=0.0,
-        dry=replace(DRY, iterations=200),
+        settings=Settings(iterations=4000, tolerance=0.0),
     )
     force = np.zeros_like(cloth.reference)
     force[0, 2] = -1e-4
@@ -297,7 +299,7 @@ def test_divergence_is_raised_and_leaves_the_state(datum, push):
     cloth.begin_step(0.01, Water(volume, GRAVITY, datum=datum))
     force = np.zeros_like(cloth.reference)
     force[0] = push
-    with pytest.raises(ArithmeticError, match=r"time step of 0\.01 s.*nodal forces.*Halve"):
+    with pytest.raises(ArithmeticError, match=r"time step of 0\.01 s.*nodal forces"):
         cloth.solve(force)
     for name, value in cloth.save().items():
         np.testing.assert_array_equal(value, committed[name])
@@ -309,7 +311,7 @@ def test_given_datum_drifts_but_does_not_evert():
     Measured -4.3 to +6.9 % at 10, 16 and 24 rings and at 2, 5 and 10 ms; -1 to +8 % in the source.
     Everted it would be +25 %.
     """
-    cloth = build(10, dry=replace(DRY, bending_damping=0.3))
+    cloth = build(10, settings=Settings(bending_damping=0.3))
     settle(cloth, Water(0.8 * TANK, GRAVITY))
     zero, drift = np.zeros_like(cloth.reference), []
     for step in range(160):
@@ -356,7 +358,9 @@ def test_tension_carries_the_pressure():
     The facets lie below the sphere by h^2: 1 % at 12 rings.
     """
     sheet = Diaphragm(density=1070.0, thickness=1e-3, youngs_modulus=0.0)
-    cloth = Cloth(mesh=hemisphere(R, 12), diaphragm=sheet, shell_radius=None)
+    cloth = Cloth(
+        mesh=hemisphere(R, 12), diaphragm=sheet, tensile_stiffness=TAUT, compressive_stiffness=SLACK
+    )
     settle(cloth, Water(None, np.zeros(3), datum=2000.0), ramp_steps=1)
     inner = cloth.model.mesh.rim_distance[cloth.triangles].min(axis=1) > 0.2 * R
     assert np.median(cloth.state.tension[inner]) == pytest.approx(2000.0 * R / 2.0, rel=0.02)
@@ -366,9 +370,10 @@ def test_tension_carries_the_pressure():
     ("frequency", "amplitude", "dt"), [(25.0, 0.004, 0.002), (25.0, 0.25, 0.001)]
 )
 def test_hard_shaking_keeps_length_and_volume(settled, frequency, amplitude, dt):
-    """10 g and 629 g: the penalty grows with the load, or the iteration diverges."""
-    cloth, saved = settled[0.8]
-    cloth.restore(saved)
+    """10 g and 629 g: penalty and stiffness grow with the load."""
+    largest = max(1.0, amplitude * (2.0 * math.pi * frequency) ** 2 / 9.81)
+    cloth = build(15, tensile_stiffness=TAUT * largest, settings=Settings(iterations=2000))
+    cloth.restore(settled[0.8][1])
 
     def load(time: float) -> Water:
         push = sway_acceleration(time, frequency, amplitude)
@@ -377,21 +382,19 @@ def test_hard_shaking_keeps_length_and_volume(settled, frequency, amplitude, dt)
     for state in run_under(cloth, load, 60, dt):
         assert cloth.converged
         assert np.isfinite(state.position).all()
-        assert state.strain.max() <= cloth.strain_limit
 
 
 def test_penalty_grows_with_the_load_in_few_steps():
-    """In powers of four, above rho b R^2/2 and never below what was asked for."""
-    least = replace(DRY, penalty=2000.0)
+    """In steps of sqrt(2), above rho b R^2 and never below the inertia."""
     penalties = set()
     for push in np.linspace(0.0, 6000.0, 200):
         load = Water(1.0, GRAVITY - np.array([push, 0.0, 0.0]))
-        tension = 0.5 * WATER * float(np.linalg.norm(load.body_force)) * R**2
-        penalty = raised(least, load, size=R, inertia=0.0).penalty
-        assert max(2000.0, tension) <= penalty < max(2000.1, 4.0 * tension)
+        tension = WATER * float(np.linalg.norm(load.body_force)) * R**2
+        penalty = penalty_of(load, size=R, inertia=2000.0)
+        assert max(2000.0, tension) <= penalty < max(2000.1, 1.4143 * tension)
         penalties.add(penalty)
-    assert len(penalties) == 6
-    assert raised(least, Water(1.0, GRAVITY), size=R, inertia=5e4).penalty == 5e4
+    assert len(penalties) <= 20  # of 200 loads, over a factor of 600
+    assert penalty_of(Water(1.0, GRAVITY), size=R, inertia=5e4) == 5e4
 
 
 @pytest.mark.parametrize("dt", [0.001, 0.002, 0.005, 0.01])
@@ -405,9 +408,10 @@ def test_rest_does_not_depend_on_the_step(settled, dt):
     assert np.sqrt(np.mean(shift**2)) <= 1e-3 * R
 
 
-@pytest.mark.parametrize("elastic", [True, False])
-def test_an_elastic_dome_stretches_as_a_plane_stress_sheet_and_an_inextensible_one_not(elastic):
+@pytest.mark.parametrize("stiffness", [None, 100.0 * WATER * 9.81 * R**2])
+def test_a_dome_stretches_as_a_plane_stress_sheet(stiffness):
     """p R (1 - nu)/(2 E t), the mean of both principal strains away from the rim that holds it.
+    A ``stiffness`` in place of the rubber's own acts in both directions alone.
 
     Of one triangle they differ as its facets do; the mean errs by (h/R)^2 at most, 1.7 %.
     """
@@ -416,13 +420,15 @@ def test_an_elastic_dome_stretches_as_a_plane_stress_sheet_and_an_inextensible_o
     cloth = Cloth(
         mesh=hemisphere(R, 12),
         diaphragm=sheet,
-        elastic=elastic,
-        dry=replace(DRY, penalty=2e4 if elastic else 500.0, iterations=60),
+        tensile_stiffness=stiffness,
+        settings=Settings(penalty=2e4),
     )
     assert settle(cloth, Water(None, np.zeros(3), datum=pressure), ramp_steps=1).converged
     top = cloth.model.mesh.rim_distance[cloth.triangles].min(axis=1) > 0.7 * R
     corner = cloth.state.position[cloth.triangles[top]]
     stretch = np.einsum("tid,tie->tde", corner, cloth.model.gradients[top])
     strain = np.linalg.svd(stretch, compute_uv=False) - 1.0
-    exact = pressure * R * (1.0 - 0.5) / (2.0 * sheet.membrane_stiffness) if elastic else 0.0
-    assert strain.mean() == pytest.approx(exact, rel=0.017, abs=1e-8)
+    exact = pressure * R * (1.0 - 0.5) / (2.0 * sheet.membrane_stiffness)
+    if stiffness is not None:
+        exact = pressure * R / (2.0 * stiffness)
+    assert strain.mean() == pytest.approx(exact, rel=0.017)

@@ -16,7 +16,7 @@ SCENE = {
     "liquid": {"name": "water", "fill_fraction": 0.8},
     "motion": {"kind": "sine", "frequency": 0.1, "acceleration": 1.0},
     "model": {"fluid": "auto", "tolerance": 0.2},
-    "cloth": {"resolution": 8, "bending_damping": 0.2},
+    "cloth": {"resolution": 8, "fold_damping": 1.0},
     "time": {"settle": 0.5, "periods": 1.5, "steps_per_period": 20, "checkpoint_every": 10},
 }
 

@@ -19,7 +19,7 @@ SCENE = f"""\
 fluid = "hydrostatic"
 [cloth]
 resolution = 4
-iterations = 4
+tolerance = 0.001
 [time]
 settle = 0.3
 duration = 0.1

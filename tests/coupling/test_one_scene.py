@@ -29,7 +29,7 @@ SCENE = f"""\
 fluid = "hydrostatic"
 [cloth]
 resolution = 4
-iterations = 4
+tolerance = 0.001
 [time]
 settle = 0.3
 duration = 0.13

@@ -31,7 +31,7 @@ SCENE = f"""\
 {SMALL}ramp = 0.0
 [cloth]
 resolution = 5
-iterations = 4
+tolerance = 0.001
 [time]
 settle = 0.3
 periods = 1

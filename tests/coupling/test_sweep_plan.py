@@ -128,7 +128,7 @@ def test_an_axis_of_lists_gives_scenes_and_folders(path: Path) -> None:
 def test_an_enormous_grid_is_refused_with_its_cost(path: Path) -> None:
     for over in (
         ["tank.radius=0.2:0.3:1000000"],
-        ["tank.radius=0.2:0.3:1000", "cloth.drag=1:9:1000"],
+        ["tank.radius=0.2:0.3:1000", "cloth.slack_drag=1:9:1000"],
     ):
         axes = [parse_axis(text) for text in over]
         with pytest.raises(SweepError, match=r"2,000,000 runs, some [\d,.]+ days of one core"):
