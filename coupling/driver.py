@@ -13,6 +13,7 @@ import numpy as np
 
 from coupling.atomic import write_json
 from coupling.energy import EnergyBalance, stored_in
+from coupling.interrupts import raise_lost_interrupt
 from coupling.iteration_log import IterationLog
 from coupling.mends import with_mend
 from coupling.metrics.summary import summarise
@@ -134,6 +135,7 @@ class _Run:
     def _loop(self, first: int) -> None:
         time = self.scene.time
         for step in range(first, time.steps):
+            raise_lost_interrupt()
             now, after = step * time.step, (step + 1) * time.step
             liquid, iterations, residual = self.sides.advance(now, after)
             work = 0.0 if liquid is None else liquid.pressure_work

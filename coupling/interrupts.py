@@ -9,6 +9,7 @@ from types import FrameType
 
 STATUS = 130
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_raised: list[int] = []  # signals since ``raise_interrupt``
 
 
 def exit_at_once() -> None:
@@ -27,6 +28,7 @@ def raise_interrupt() -> None:
     Further SIGTERM and SIGHUP are then ignored: a closing terminal, or a batch system, may send
     several while the summary is written.
     """
+    _raised.clear()
     for number in _SIGNALS:
         if signal.getsignal(number) is _exit:
             signal.signal(number, _raise)
@@ -43,4 +45,15 @@ def _raise(number: int, frame: FrameType | None) -> None:
     for other in _SIGNALS:
         if other != signal.SIGINT and signal.getsignal(other) is _raise:
             signal.signal(other, signal.SIG_IGN)
+    _raised.append(number)
     raise KeyboardInterrupt
+
+
+def raise_lost_interrupt() -> None:
+    """Raise ``KeyboardInterrupt`` where one has been raised before, and lost.
+
+    Python drops an exception that a signal raises within a finalizer or a weak reference's
+    callback. Whoever goes on for long asks here from time to time.
+    """
+    if _raised:
+        raise KeyboardInterrupt

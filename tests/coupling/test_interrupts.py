@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from small_scene import SMALL
 
+from coupling import interrupts
+
 SCENE = f"""\
 {SMALL}[model]
 fluid = "hydrostatic"
@@ -87,6 +89,28 @@ def test_a_signal_leaves_a_summary(scene: Path, number: signal.Signals, file: st
     assert f"Go on with: edt resume {run}" in errors
     assert json.loads((run / "summary.json").read_text())["status"] == "interrupted"
     assert not (run / ".lock").exists()
+
+
+def test_an_interrupt_within_a_finalizer_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run went on to its end where the signal came while a weak reference was cleared."""
+
+    class Left:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGTERM)
+
+    handlers = {number: signal.getsignal(number) for number in interrupts._SIGNALS}
+    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
+    try:
+        interrupts.exit_at_once()
+        interrupts.raise_interrupt()
+        Left()
+        with pytest.raises(KeyboardInterrupt):
+            interrupts.raise_lost_interrupt()
+        interrupts.raise_interrupt()
+        interrupts.raise_lost_interrupt()
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 def test_a_closed_terminal_leaves_a_summary(scene: Path) -> None:
