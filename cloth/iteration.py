@@ -237,19 +237,21 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
     the sheet were near each other at the step's start, so that it pays to look while iterating.
     Raises ArithmeticError when the iteration diverges.
     """
-    settings = problem.settings
+    most = problem.settings.iterations
     run = Iteration(problem, force, None if first is None else first.planes)
-    wanted = settings.iterations if first is None else first.iterations
-    while run.done < wanted and not (first is None and run.near_enough):
-        if near and first is None and run.planes is None and run.done >= CONTACT_AFTER:
+    if first is not None:
+        while run.done < first.iterations or (run.done < most and not run.near_enough):
+            run.advance()
+        return run.finish()
+    while run.done < most and not run.near_enough:
+        if near and run.planes is None and run.done >= CONTACT_AFTER:
             run.look()
         run.advance()
-    for _ in range(round(MARGIN * run.done) if first is None and settings.tolerance > 0.0 else 0):
-        run.advance()
-    while run.done < settings.iterations and not run.near_enough:
-        run.advance()
+    if run.near_enough:
+        for _ in range(round(MARGIN * run.done)):
+            run.advance()
     solution = run.finish()
-    while first is None and run.done < settings.iterations and not solution.converged:
+    while run.done < most and not solution.converged:
         run.look()
         for _ in range(CONTACT_EVERY):
             run.advance()
