@@ -30,9 +30,11 @@ from coupling.shaking import largest_body_force
 
 _log = logging.getLogger(__name__)
 HALVINGS = 3
-# Stiffness over rho |b| R^2 of the largest body force b, whose level dome pulls with half of that.
-TENSILE = 100.0  # of an inextensible sheet: that strains by half a per cent
-COMPRESSIVE = 0.003  # of a relaxed one: resists a compression of 10 % as 0.2 mm of liquid would
+TENSILE = 100.0  # stiffness of an inextensible sheet over rho |b| R^2 of the largest body force b:
+# a level dome, which pulls with half of that, strains by half a per cent
+COMPRESSIVE = (
+    0.005  # of a relaxed one over rho |g| R^2: 10 % of compression bear 0.05 % R of liquid
+)
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
 
@@ -81,16 +83,21 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
             shell_radius=radius,
             step=min(STEP, scene.time.step),
         )
-    swing = float(np.sqrt(radius / np.linalg.norm(scene.gravity)))  # [s]
-    unit = scene.liquid.density * largest_body_force(scene) * radius**2  # [N/m]
+    gravity = float(np.linalg.norm(scene.gravity))
+    swing = float(np.sqrt(radius / gravity))  # [s]
+    area = scene.liquid.density * radius**2  # [kg/m]
     mesh, ridges = hemisphere(radius, cloth.resolution), scene.diaphragm.moulded_thickness
     return Cloth(
         mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
         thickness=None if ridges is None else ridges.at(mesh.points[mesh.triangles].mean(axis=1)),
         shell_radius=radius,
-        tensile_stiffness=TENSILE * unit if scene.diaphragm.inextensible else None,
-        compressive_stiffness=None if cloth.wrinkling == "resolved" else COMPRESSIVE * unit,
+        tensile_stiffness=TENSILE * area * largest_body_force(scene)
+        if scene.diaphragm.inextensible
+        else None,
+        compressive_stiffness=None
+        if cloth.wrinkling == "resolved"
+        else COMPRESSIVE * area * gravity,
         self_contact=True,
         settings=Settings(
             tolerance=cloth.tolerance,

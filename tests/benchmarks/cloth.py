@@ -154,7 +154,7 @@ def our_row(
     cloth = Cloth(
         mesh=hemisphere(RADIUS, rings), diaphragm=SHEET, shell_radius=RADIUS, self_contact=True,
         tensile_stiffness=TENSILE * unit if stiff else None,
-        compressive_stiffness=COMPRESSIVE * unit,
+        compressive_stiffness=COMPRESSIVE * DENSITY * 9.81 * RADIUS**2,
         settings=Settings(tolerance=tolerance, iterations=100_000),
     )  # fmt: skip
     settle(cloth, conserving(0.0))
