@@ -18,7 +18,7 @@ RINGS = 8  # of the diaphragm's mesh: the answer does not depend on the shape th
 def rigid(*, fluid: str = "openfoam", resolution: int = 0) -> VerifyResult:
     """A whole run with the diaphragm held where it settled, and the tank shaken from the start.
 
-    ``fluid``: ``openfoam``, with ``resolution`` cells in the flow's mesh, 0 for 350; ``potential``,
+    ``fluid``: ``openfoam``, with ``resolution`` cells in the flow's mesh, 0 for 176; ``potential``,
     with polynomials of this degree, 0 for 6. The liquid cannot move, so that p* = 0 and the force
     on tank and diaphragm is m_l (g - a_tank), on any mesh. ``dynamic_pressure``: largest |p*| over
     rho |b| R; ``force``: largest error of the force over the largest m_l |b|. Both are 0 to
@@ -27,7 +27,7 @@ def rigid(*, fluid: str = "openfoam", resolution: int = 0) -> VerifyResult:
     clock = perf_counter()
     if fluid not in ("openfoam", "potential"):
         raise CaseError(f"verify rigid: --fluid: must be openfoam or potential, got '{fluid}'.")
-    resolution = resolution or {"openfoam": 350, "potential": 6}[fluid]
+    resolution = resolution or {"openfoam": 176, "potential": 6}[fluid]
     scene, results = whole_run("rigid", **_sections(fluid, resolution))
     swing = (2 * np.pi * FREQUENCY) ** 2 * AMPLITUDE * np.sin(2 * np.pi * FREQUENCY * results.time)
     swing[0] = 0.0  # time 0 is the settled tank

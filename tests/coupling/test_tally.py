@@ -15,6 +15,7 @@ from coupling.tally import Tally
 @dataclass
 class State:
     strain: np.ndarray = field(default_factory=lambda: np.array([0.2]))
+    change: float = 1e-3
 
 
 @dataclass
