@@ -148,6 +148,11 @@ def _check_motion(scene: Scene) -> list[str]:
             "motion.direction: must not be zero, got [0, 0, 0]. "
             "Give the direction of the shaking, such as [1.0, 0.0, 0.0]."
         )
+    if motion.file is not None and motion.kind != "table":
+        problems.append(
+            f'motion.file: is read with motion.kind = "table" only, got kind = "{motion.kind}". '
+            'Set motion.kind = "table", or leave the file out.'
+        )
     if motion.kind == "table" and motion.file is not None:
         problems += _check_table(motion, scene.time.step * scene.time.steps)
     return problems

@@ -293,6 +293,11 @@ def test_wrinkles_are_resolved_by_ten_cells_a_wavelength(folder: Path):
     assert 'cloth.wrinkling: does not apply to cloth.grid = "thesis", got "resolved".' in line
 
 
+def test_a_record_beside_a_sine_is_not_passed_over(folder):
+    (line,) = problems(folder, "motion.file=truck.csv")
+    assert line.startswith('--set: motion.file: is read with motion.kind = "table" only')
+
+
 def test_a_table_must_cover_the_run(folder: Path):
     (folder / "truck.csv").write_text("0,0,0,0\n9.9,0,0,0\n")
     (line,) = problems(folder, "motion.kind=table", "motion.file=truck.csv")
