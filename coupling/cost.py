@@ -22,7 +22,7 @@ from coupling.scene import Scene
 
 _INNER = 40  # iterations of a solve of the cloth
 _CLOTH_ITERATION = 6e-4  # an inner iteration of 24 rings, a step's overhead spread over ten
-_SETTLING = 8000  # inner iterations of a settling
+_SETTLING = 11000  # inner iterations of a settling
 _POTENTIAL = 30  # what a potential adds to a step, in inner iterations
 _COUPLED_SOLVES = 3.0  # of the cloth in a coupled step with the scheme added-mass
 _ITERATIONS = {"iqn-ils": 11.0, "aitken": 35.0, "fixed-point": 35.0}  # of a step, in its place
