@@ -37,9 +37,9 @@ def verify(
         results, failures = run_all()
     far = beyond(results, tolerance)
     if as_json:
-        told = {} if tolerance is None else {"tolerance": tolerance, "beyond": far}
+        judged = {} if tolerance is None else {"tolerance": tolerance, "beyond": far}
         cases = [result.to_dict() for result in results]
-        print_json((cases[0] if case else {"cases": cases, "failures": failures}) | told)
+        print_json((cases[0] if case else {"cases": cases, "failures": failures}) | judged)
     else:
         print_verify(results, failures)
     reasons = failures | far

@@ -30,11 +30,11 @@ from coupling.shaking import largest_body_force
 
 _log = logging.getLogger(__name__)
 HALVINGS = 3
-TENSILE = 100.0  # stiffness of an inextensible sheet over rho |b| R^2 of the largest body force b:
-# a level dome, which pulls with half of that, strains by half a per cent
-COMPRESSIVE = (
-    0.005  # of a relaxed one over rho |g| R^2: 10 % of compression bear 0.05 % R of liquid
-)
+# Stiffness of an inextensible sheet over rho |b| R^2 of the largest body force b: a level dome,
+# which pulls with half of that, strains by half a per cent.
+TENSILE = 100.0
+# Of a relaxed one over rho |g| R^2: 10 % of compression bear 0.05 % R of liquid.
+COMPRESSIVE = 0.005
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
 

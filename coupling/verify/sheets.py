@@ -52,6 +52,7 @@ def bring_to_rest(
         tolerance=TOLERANCE,
         steps_max=STEPS_MAX,
         iterations=cloth.settings.iterations,
+        shell_weight=cloth.settings.shell_weight,
     )
     if not done.converged:
         raise RunFailed(

@@ -172,7 +172,7 @@ def test_rest_stays_rest(settled, fill, patches):
 
 @pytest.mark.parametrize(("fill", "patches"), [(0.8, 0), (0.8, 60), (0.5, 60)])
 def test_pad_sway_keeps_its_volume_and_stays_in_the_shell(fill, patches):
-    cloth = build(10, settings=Settings(tolerance=1e-4))
+    cloth = build(10)
     assert settle(cloth, Water(fill * TANK, GRAVITY)).converged
     volume, swing = cloth.state.volume, []
     for state in run(cloth, 320, patches=patches):

@@ -61,16 +61,13 @@ def wait_for(file: Path, process: subprocess.Popen[str]) -> None:
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6])
+@pytest.mark.parametrize("delay", [0.0, 0.05, 0.1, 0.2, 0.3, 0.4])
 def test_an_interrupt_while_modules_are_imported_is_quiet(scene: Path, delay: float) -> None:
     """It ended in a traceback."""
     process = started("check", scene)
     time.sleep(delay)
     process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=60)
-    if process.returncode == 0:  # the check was done before
-        assert "f1" in output
-        return
+    _, errors = process.communicate(timeout=60)
     assert errors == "interrupted\n"
     assert process.returncode == 130
 

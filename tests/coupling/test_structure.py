@@ -1,6 +1,7 @@
 """The diaphragm of a scene: what it is built from, where it settles, where the liquid lies."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from cloth.thesis.sheet import ThesisSheet
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.ports import RunFailed
-from coupling.scene import scene_from
+from coupling.scene import load_scene, scene_from
 from coupling.structure import (
     COMPRESSIVE,
     TENSILE,
@@ -20,6 +21,7 @@ from coupling.structure import (
 )
 
 RADIUS = 0.4445
+CASES = Path(__file__).parents[2] / "foam_cases"
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
@@ -129,6 +131,15 @@ def test_resolved_wrinkles_stand_on_the_sheets_own_stiffness():
         unit = chosen.liquid.density * 9.81 * chosen.tank.radius**2
         expected = own if wrinkling == "resolved" else COMPRESSIVE * unit
         np.testing.assert_allclose(stiffness, expected, rtol=1e-14)
+
+
+def test_a_half_full_sheet_of_18_rings_comes_to_rest():
+    """It moved on by 7e-4 m a step: the shell's penalty held it back from sliding."""
+    chosen = load_scene(CASES / "slosh", ["cloth.resolution=18"])
+    cloth = diaphragm_of(chosen)
+    density = chosen.liquid.density
+    load = Hydrostatic(density=density, volume=chosen.liquid_volume).load(GRAVITY)
+    assert settle_diaphragm(cloth, chosen, load) < 1e-6 * chosen.tank.radius
 
 
 def test_says_when_no_rest_is_found():
