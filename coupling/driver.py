@@ -13,7 +13,7 @@ import numpy as np
 
 from coupling.atomic import write_json
 from coupling.energy import EnergyBalance, stored_in
-from coupling.interrupts import raise_lost_interrupt
+from coupling.interrupts import raise_lost_interrupt, wrapped_interrupts_raised
 from coupling.iteration_log import IterationLog
 from coupling.mends import with_mend
 from coupling.metrics.summary import summarise
@@ -182,7 +182,8 @@ class _Run:
     def _guarded(self, body: Callable[[], None]) -> dict[str, Any]:
         """Run ``body`` and write the summary, however it ends."""
         try:
-            body()
+            with wrapped_interrupts_raised():
+                body()
         except (RunFailed, ArithmeticError) as error:  # the latter from the diaphragm's own solver
             reason = with_mend(error, self.scene, self.tally.statistics.flow_solver)
             reason = reason if self.burst is None else f"{reason} {self.burst}"

@@ -15,7 +15,12 @@ import typer
 from coupling.atomic import UnreadableFile
 from coupling.foam.installation import OpenFoamMissing
 from coupling.folder_lock import FolderError
-from coupling.interrupts import STATUS, exit_at_once, raise_interrupt
+from coupling.interrupts import (
+    STATUS,
+    exit_at_once,
+    raise_interrupt,
+    wrapped_interrupts_raised,
+)  # fmt: skip
 from coupling.json_output import one_object, print_failure
 from coupling.ports import RunFailed
 from coupling.scene import SceneError
@@ -58,7 +63,8 @@ def guarded(verb: Callable[P, None]) -> Callable[P, None]:
     def checked(*args: P.args, **kwargs: P.kwargs) -> None:
         raise_interrupt()
         try:
-            verb(*args, **kwargs)
+            with wrapped_interrupts_raised():
+                verb(*args, **kwargs)
         except _WRONG_INPUT as error:
             stop(str(error), ExitStatus.WRONG_INPUT)
         except RunFailed as error:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 STATUS = 130
@@ -57,3 +59,17 @@ def raise_lost_interrupt() -> None:
     """
     if _raised:
         raise KeyboardInterrupt
+
+
+@contextmanager
+def wrapped_interrupts_raised() -> Iterator[None]:
+    """Raise ``KeyboardInterrupt`` for any error of the body that comes after one was raised.
+
+    Compiled code raises another error from it: Numba's dispatcher a ``SystemError``, say.
+    """
+    try:
+        yield
+    except Exception as error:
+        if _raised:
+            raise KeyboardInterrupt from error
+        raise

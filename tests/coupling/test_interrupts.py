@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -91,26 +92,53 @@ def test_a_signal_leaves_a_summary(scene: Path, number: signal.Signals, file: st
     assert not (run / ".lock").exists()
 
 
-def test_an_interrupt_within_a_finalizer_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def raising() -> Iterator[None]:
+    """Signals raise ``KeyboardInterrupt`` as they do within a verb."""
+    handlers = {number: signal.getsignal(number) for number in interrupts._SIGNALS}
+    interrupts.exit_at_once()
+    interrupts.raise_interrupt()
+    try:
+        yield
+    finally:
+        interrupts._raised.clear()
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def test_an_interrupt_within_a_finalizer_is_not_lost(
+    raising: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A run went on to its end where the signal came while a weak reference was cleared."""
 
     class Left:
         def __del__(self) -> None:
             signal.raise_signal(signal.SIGTERM)
 
-    handlers = {number: signal.getsignal(number) for number in interrupts._SIGNALS}
     monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
-    try:
-        interrupts.exit_at_once()
-        interrupts.raise_interrupt()
-        Left()
-        with pytest.raises(KeyboardInterrupt):
-            interrupts.raise_lost_interrupt()
-        interrupts.raise_interrupt()
+    Left()
+    with pytest.raises(KeyboardInterrupt):
         interrupts.raise_lost_interrupt()
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+    interrupts.raise_interrupt()
+    interrupts.raise_lost_interrupt()
+
+
+def test_an_interrupt_that_compiled_code_wraps_is_one(raising: None) -> None:
+    """Numba's dispatcher made a SystemError of it, and the run ended in a traceback."""
+
+    def compiled() -> None:
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt as interrupt:
+            raise SystemError("returned a result with an exception set") from interrupt
+
+    with pytest.raises(KeyboardInterrupt), interrupts.wrapped_interrupts_raised():
+        compiled()
+
+
+def test_an_error_without_an_interrupt_stays_one(raising: None) -> None:
+    with pytest.raises(SystemError), interrupts.wrapped_interrupts_raised():
+        raise SystemError("of its own")
 
 
 def test_a_closed_terminal_leaves_a_summary(scene: Path) -> None:
