@@ -11,6 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from cloth.energy import SheetLosses
+from cloth.mesh import rest_gradients
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
 from coupling.energy import Instant, instant_of
@@ -42,7 +43,8 @@ class Participants:
         self.model = load_model(scene)
         self._load = self.model.load(np.asarray(scene.gravity))  # of the last step; at rest
         self.cloth = diaphragm_of(scene)
-        self.tally = Tally(scene, self.cloth.thickness)
+        _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
+        self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
 
@@ -152,7 +154,8 @@ class Participants:
     def _taken(self, dt: float) -> None:
         """Note the end of a part of ``dt`` [s]."""
         self._parts.append((dt, self.cloth.losses(), self.cloth.converged))
-        self.tally.stretched(self.cloth.state)
+        self.tally.solved(self.cloth.iterations, converged=self.cloth.converged)
+        self.tally.stretched(dt, self.cloth.state)
 
     @property
     def _converged(self) -> bool:

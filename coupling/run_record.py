@@ -60,6 +60,8 @@ class RunStatistics:
     Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
     whether the flow's solver stayed alive or was restarted; ``settle_change`` [m]: rms motion that
     the last pseudo-step of settling left; ``flow_fields_bytes``: on disk, where asked for.
+    ``strain_areas``: as ``coupling.metrics.strains.spread`` has it, summed over steps times
+    their lengths; ``cloth_...``: inner iterations of the solve that each part of a step ends with.
     """
 
     steps: int = 0
@@ -69,6 +71,11 @@ class RunStatistics:
         default_factory=lambda: {"structure": 0.0, "fluid": 0.0, "mapping": 0.0, "output": 0.0}
     )
     strain_tensile_max: float = 0.0
+    strain_areas: list[float] = field(default_factory=list)
+    cloth_solves: int = 0
+    cloth_iterations_total: int = 0
+    cloth_iterations_max: int = 0
+    cloth_unconverged: int = 0
     tension_max: float = 0.0
     stress_max: float = 0.0
     volume_error_max: float = 0.0

@@ -51,6 +51,13 @@ class Cloth(Section):
     iterations: int = Field(
         default=1000, ge=20, le=100000, description="inner iterations of a solve, at most"
     )
+    stiffness: float = Field(
+        default=100.0,
+        ge=10,
+        le=10000,
+        description="tensile stiffness of an inextensible sheet over rho b R^2, of the largest "
+        "body force b",
+    )
     fold_damping: float = Field(
         default=5.0,
         ge=0,

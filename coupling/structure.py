@@ -30,10 +30,7 @@ from coupling.shaking import largest_body_force
 
 _log = logging.getLogger(__name__)
 HALVINGS = 3
-# Stiffness of an inextensible sheet over rho |b| R^2 of the largest body force b: a level dome,
-# which pulls with half of that, strains by half a per cent.
-TENSILE = 100.0
-# Of a relaxed one over rho |g| R^2: 10 % of compression bear 0.05 % R of liquid.
+# Compressive stiffness of a relaxed sheet over rho |g| R^2: 10 % bear 0.05 % R of liquid.
 COMPRESSIVE = 0.005
 FILLING_STEPS_PER_SECOND = 100  # of time.settle; the equilibrium itself is sought without a clock
 
@@ -92,7 +89,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         diaphragm=scene.diaphragm.sheet,
         thickness=None if ridges is None else ridges.at(mesh.points[mesh.triangles].mean(axis=1)),
         shell_radius=radius,
-        tensile_stiffness=TENSILE * area * largest_body_force(scene)
+        tensile_stiffness=cloth.stiffness * area * largest_body_force(scene)
         if scene.diaphragm.inextensible
         else None,
         compressive_stiffness=None

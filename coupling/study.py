@@ -23,6 +23,7 @@ from coupling.study_plan import (
     Entry,
     ladder_rows,
     less_resolved,
+    stiffer,
     stretch_name,
     stretch_row,
     thesis_row,
@@ -98,6 +99,7 @@ def _planned(rows: Sequence[Entry], record: StudyRecord, *, quick: bool) -> Iter
     best = [entry for entry in finished if entry.row == record.reference]
     others = [entry for entry in finished if entry.row != record.reference]
     yield from less_resolved(best if quick else [*others, *best])
+    yield from stiffer(best)
 
 
 def run_or_reuse(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:

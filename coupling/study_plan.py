@@ -10,7 +10,7 @@ from typing import Any
 
 from cloth.thesis.grid import SIZE
 from coupling.foam.mesh import cells_halved, cells_made
-from coupling.metrics.uncertainty import FLOW_ORDER, SHEET_ORDER, STEP_ORDER
+from coupling.metrics.uncertainty import FLOW_ORDER, LIMIT_ORDER, SHEET_ORDER, STEP_ORDER
 from coupling.scene import Scene, SceneError, plain_values, scene_from, with_overrides
 from coupling.scene_sections import LADDER
 
@@ -19,6 +19,7 @@ STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own 
 ROWS = (*LADDER, THESIS, *STRETCH.values())
 AS_RUN, COARSER = "as_run", "coarser_grid"
 DOUBLED, HALVED = "doubled_step", "halved_step"
+STIFFER = "doubled_stiffness"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +89,8 @@ def planned_runs(scene: Scene, models: Sequence[str], *, quick: bool) -> dict[Pa
             rows.append(thesis_row(scene))
         with suppress(SceneError):
             beside = [stretch_row(scene, models)]
-    return {entry.place: entry.scene for entry in [*rows, *beside, *less_resolved(rows)]}
+    finer = [*less_resolved(rows), *stiffer(rows)]
+    return {entry.place: entry.scene for entry in [*rows, *beside, *finer]}
 
 
 def stretch_name(scene: Scene) -> str:
@@ -103,6 +105,24 @@ def less_resolved(entries: Iterable[Entry]) -> list[Entry]:
         for entry in entries
         for resolution, variant in coarser_scenes(entry.scene).items()
     ]
+
+
+def stiffer(entries: Iterable[Entry]) -> list[Entry]:
+    """Each of ``entries`` whose sheet is inextensible, with ``cloth.stiffness`` doubled."""
+    return [
+        Entry(
+            row=entry.row,
+            resolution=STIFFER,
+            scene=_with(entry.scene, "cloth", stiffness=2.0 * entry.scene.cloth.stiffness),
+        )
+        for entry in entries
+        if _has_limit(entry.scene)
+    ]
+
+
+def _has_limit(scene: Scene) -> bool:
+    """Whether the scene's sheet stands for an inextensible one by its stiffness."""
+    return scene.diaphragm.inextensible and scene.cloth.grid == "rings"
 
 
 def coarser_scenes(scene: Scene) -> dict[str, Scene]:
@@ -152,9 +172,14 @@ def _coarser_cloth(scene: Scene) -> int:
 
 
 def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
-    """By which factor the runs of ``coarser_scenes`` are coarser, and the order of the error."""
+    """By which factor the reference's other runs are coarser, and the order of the error.
+
+    Those of ``coarser_scenes``, and the one of ``stiffer``, whose compliance is half the scene's.
+    """
     variants = coarser_scenes(scene)
     step = {DOUBLED: (2.0, STEP_ORDER), HALVED: (0.5, STEP_ORDER)}
+    if _has_limit(scene):
+        step[STIFFER] = (0.5, LIMIT_ORDER)
     grid = variants.get(COARSER)
     if grid is None:
         return step

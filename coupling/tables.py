@@ -58,6 +58,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("model", summary.get("model")),
         ("simulated time [s]", summary.get("simulated_s")),
         ("largest tensile strain", summary.get("strain_tensile_max")),
+        ("... below it in 99 % of area and time", summary.get("strain_tensile_p99")),
         ("largest volume error", summary.get("volume_error_max")),
         ("iterations a step, mean", coupling.get("iterations_mean")),
         ("iterations a step, most", coupling.get("iterations_max")),

@@ -5,8 +5,11 @@ from __future__ import annotations
 import logging
 from time import perf_counter
 
+import numpy as np
+
 from coupling.coupled_step import StepOutcome
 from coupling.mends import better_scheme, said
+from coupling.metrics.strains import spread
 from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
 from coupling.run_record import RunStatistics
 from coupling.scene import Scene
@@ -17,11 +20,11 @@ _log = logging.getLogger(__name__)
 class Tally:
     """``statistics`` of a run, with a word in the log where a limit is passed.
 
-    ``thickness`` (m,) [m] of the diaphragm's triangles.
+    ``thickness`` and ``areas`` (m,) [m, m^2] of the diaphragm's triangles, as moulded.
     """
 
-    def __init__(self, scene: Scene, thickness: Array) -> None:
-        self.scene, self.thickness = scene, thickness
+    def __init__(self, scene: Scene, thickness: Array, areas: Array) -> None:
+        self.scene, self.thickness, self.areas = scene, thickness, areas
         self.statistics = RunStatistics()
         self._unconverged_at: float | None = None  # time [s] of the last step that did not converge
 
@@ -29,14 +32,24 @@ class Tally:
         """Add the wall time since ``since`` (a ``perf_counter``) to ``part``."""
         self.statistics.wall_by_part[part] += perf_counter() - since
 
-    def stretched(self, state: DiaphragmState) -> None:
-        """The diaphragm at the end of a part of a step."""
+    def stretched(self, dt: float, state: DiaphragmState) -> None:
+        """The diaphragm at the end of a part of a step, of ``dt`` [s]."""
         strain = float(state.strain.max(initial=0.0))
         statistics = self.statistics
+        before, now = np.array(statistics.strain_areas), dt * spread(state.strain, self.areas)
+        statistics.strain_areas = (before + now if len(before) else now).tolist()
         statistics.strain_tensile_max = max(statistics.strain_tensile_max, strain)
         statistics.tension_max = max(statistics.tension_max, float(state.tension.max()))
         stress = float((state.tension / self.thickness).max())
         statistics.stress_max = max(statistics.stress_max, stress)
+
+    def solved(self, iterations: int, *, converged: bool) -> None:
+        """The inner iterations of the solve that a part of a step ends with."""
+        statistics = self.statistics
+        statistics.cloth_solves += 1
+        statistics.cloth_iterations_total += iterations
+        statistics.cloth_iterations_max = max(statistics.cloth_iterations_max, iterations)
+        statistics.cloth_unconverged += not converged
 
     def structure(self, time: float, state: DiaphragmState, *, converged: bool, steps: int) -> None:
         """The diaphragm's end of a step, of ``steps`` parts which all ``converged``, or not."""

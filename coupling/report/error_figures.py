@@ -27,8 +27,15 @@ RESOLUTIONS = {
     "coarser_grid": "coarser grid",
     "doubled_step": "doubled step",
     "halved_step": "halved step",
+    "doubled_stiffness": "doubled stiffness",
 }
-_MARKERS = {"as_run": "o", "coarser_grid": "s", "doubled_step": "^", "halved_step": "v"}
+_MARKERS = {
+    "as_run": "o",
+    "coarser_grid": "s",
+    "doubled_step": "^",
+    "halved_step": "v",
+    "doubled_stiffness": "D",
+}
 
 
 def errors_figure(errors: Mapping[str, Errors], bars: Errors) -> Picture:

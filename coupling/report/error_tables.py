@@ -43,14 +43,15 @@ def errors_table(study: Mapping[str, Any]) -> Table:
 def _note(study: Mapping[str, Any]) -> str:
     note = (
         f"Errors are relative to the reference’s own figure, but for the phase. {_TIMES} "
-        "The last rows are the reference itself, less resolved. "
+        "The last rows are the reference itself, less resolved, or stiffer. "
     )
     if study.get("uncertainty"):
         note += (
             "± is the reference’s own error as these rows let it be estimated (Richardson: the "
             "step’s error taken as of second order, the flow mesh’s of order 1.5, the diaphragm’s "
-            "of second); where openfoam is the reference, both rows have the same diaphragm, and ± "
-            "knows nothing of its mesh. "
+            "of second; what an inextensible sheet still stretches as its compliance); where "
+            "openfoam is the reference, the rows have the same diaphragm, and ± knows nothing of "
+            "its mesh. "
         )
     note += "≈ marks an error below that, where no difference between the models can be told."
     if any(row.get("against_same_model") for row in study["models"].values()):

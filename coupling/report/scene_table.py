@@ -139,6 +139,7 @@ def cost_table(run: RunFiles) -> Table:
 def quality_table(run: RunFiles) -> Table:
     """How well the step was solved."""
     summary, coupling = run.summary, run.summary["coupling"]
+    cloth = summary.get("cloth", {})
     coupled = [
         ["Scheme", str(coupling["scheme"])],
         ["Iterations a step, mean", number(coupling["iterations_mean"])],
@@ -152,6 +153,9 @@ def quality_table(run: RunFiles) -> Table:
         *halved,
         *(coupled if run.has_flow else [["Coupling", "none: no flow"]]),
         ["Largest tensile strain", percent(summary["strain_tensile_max"])],
+        ["Tensile strain below it in 99 %", percent(summary.get("strain_tensile_p99"))],
+        ["Inner iterations of the sheet, mean", number(cloth.get("iterations_mean"))],
+        ["Inner iterations of the sheet, most", number(cloth.get("iterations_max"))],
         ["Largest volume error", number(summary["volume_error_max"])],
         ["Force against momentum", percent(summary["force"].get("momentum_imbalance"))],
     ]

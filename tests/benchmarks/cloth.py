@@ -44,7 +44,8 @@ from cloth.thesis.sheet import ThesisSheet
 from coupling.metrics.harmonic import first_harmonic, last_whole_periods
 from coupling.numbers import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad
-from coupling.structure import COMPRESSIVE, TENSILE, liquid_cg
+from coupling.scene_numerics import Cloth as ClothSection
+from coupling.structure import COMPRESSIVE, liquid_cg
 from coupling.verify.static_level import level_height, roundness
 
 RADIUS, THICKNESS, FILL, DENSITY = 0.4445, 1.778e-3, 0.8, 1000.0
@@ -153,7 +154,7 @@ def our_row(
     unit = DENSITY * float(np.linalg.norm(body_force(1.0 / FREQUENCY * 1.25))) * RADIUS**2
     cloth = Cloth(
         mesh=hemisphere(RADIUS, rings), diaphragm=SHEET, shell_radius=RADIUS, self_contact=True,
-        tensile_stiffness=TENSILE * unit if stiff else None,
+        tensile_stiffness=ClothSection().stiffness * unit if stiff else None,
         compressive_stiffness=COMPRESSIVE * DENSITY * 9.81 * RADIUS**2,
         settings=Settings(tolerance=tolerance, iterations=100_000),
     )  # fmt: skip

@@ -53,11 +53,11 @@ def test_the_largest_tension_is_kept():
     """In Pa over each triangle's own thickness."""
     scene = shaken(1.25, 0.25)
     cloth = diaphragm_of(scene)
-    tally = Tally(scene, cloth.thickness)
+    tally = Tally(scene, cloth.thickness, np.ones(len(cloth.thickness)))
     for force in (1e4, 4e4, 3e4):
         tension = np.zeros(len(cloth.triangles))
         tension[3] = force
-        tally.stretched(replace(cloth.state, tension=tension))
+        tally.stretched(0.01, replace(cloth.state, tension=tension))
     assert tally.statistics.tension_max == 4e4
     assert tally.statistics.stress_max == pytest.approx(4e4 / 0.001778)
 
@@ -65,7 +65,7 @@ def test_the_largest_tension_is_kept():
 def test_too_many_unconverged_steps_stop_the_run():
     scene = shaken(1.25, 0.25)
     cloth = diaphragm_of(scene)
-    tally = Tally(scene, cloth.thickness)
+    tally = Tally(scene, cloth.thickness, np.ones(len(cloth.thickness)))
     for step in range(scene.coupling.max_unconverged):
         tally.structure(0.002 * step, cloth.state, converged=False, steps=8)
     with pytest.raises(RunFailed, match=r"6 steps did not converge. Raise cloth.iterations"):

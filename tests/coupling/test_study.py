@@ -18,7 +18,14 @@ from coupling.results import read_results
 from coupling.scene import Scene, load_scene, scene_toml, with_overrides
 from coupling.scene_errors import SceneError
 from coupling.study import run_study
-from coupling.study_plan import coarsening, coarser_scenes, thesis_row
+from coupling.study_plan import (
+    coarsening,
+    coarser_scenes,
+    ladder_rows,
+    less_resolved,
+    stiffer,
+    thesis_row,
+)
 from coupling.study_record import StudyRecord
 
 
@@ -40,8 +47,9 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
     scene = run.scene()
     for model, tilt, wall in (("datum", 3.0, 2.0), ("hydrostatic", 1.01, 4.0), ("openfoam", 1, 80)):
         finished(tmp_path / model, with_model(scene, model), tilt=tilt, wall=wall)
-    for name, less in coarser_scenes(with_model(scene, "openfoam")).items():
-        finished(tmp_path / "discretisation" / "openfoam" / name, less, tilt=1.02, wall=40.0)
+    [best] = ladder_rows(scene, ("openfoam",))
+    for entry in (*less_resolved([best]), *stiffer([best])):
+        finished(tmp_path / entry.place, entry.scene, tilt=1.02, wall=40.0)
     study = run_study(scene, ("openfoam", "datum", "hydrostatic"), tmp_path, quick=True)
     assert json.loads((tmp_path / "study.json").read_text()) == study
     assert study["reference"] == "openfoam"
@@ -51,8 +59,8 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
     # the distance is linear in the tilt: 2.0 away for datum, 0.02 and 0.01 for the others
     assert rows["datum"]["error"]["shape_rms"] == pytest.approx(100.0 * own)
     assert rows["hydrostatic"]["error"]["shape_rms"] == pytest.approx(0.5 * own)
-    # 540 cells of 1216 at order 1.5 and the doubled step at order 2, both 0.02 away
-    bar = own / ((1216 / 540) ** (1.5 / 3) - 1) + own / 3
+    # 540 cells of 1216 at order 1.5, the doubled step at order 2, half the compliance: 0.02 away
+    bar = own / ((1216 / 540) ** (1.5 / 3) - 1) + own / 3 + own / 0.5
     assert study["uncertainty"]["shape_rms"] == pytest.approx(bar)
     # the ratios get the same: p* and with it the neglected momentum go with the tilt
     fraction = study["bernoulli"]["dynamic_fraction"]
@@ -60,8 +68,8 @@ def test_finished_runs_are_compared_without_running_anything(tmp_path: Path) -> 
         json.loads(path.read_text())["bernoulli"]["dynamic_fraction"]
         for path in sorted((tmp_path / "discretisation").glob("*/*/summary.json"))
     ]
-    grid, step = (abs(value - fraction["value"]) for value in variants)
-    expected = grid / ((1216 / 540) ** (1.5 / 3) - 1) + step / 3
+    grid, compliance, step = (abs(value - fraction["value"]) for value in variants)
+    expected = grid / ((1216 / 540) ** (1.5 / 3) - 1) + step / 3 + compliance / 0.5
     assert fraction["uncertainty"] == pytest.approx(expected, abs=1e-15)
     assert fraction["value"] == rows["openfoam"]["bernoulli"]["dynamic_fraction"]
     assert rows["hydrostatic"]["below_reference_error"] == ["shape_rms"]
@@ -112,6 +120,20 @@ def test_a_study_runs_only_scenes_that_can_be_read_again() -> None:
     # an error e at h is e/4 at h/2, of second order: they differ by 3/4 of it
     bars = error_bars({"halved_step": {"shape_rms": 0.03}}, coarsening(longest), ["shape_rms"])
     assert bars["shape_rms"] == pytest.approx(0.04)
+
+
+def test_an_inextensible_reference_is_run_with_twice_its_stiffness() -> None:
+    """An error in the compliance is halved: the two differ by half of it."""
+    rows = ladder_rows(run.scene(), ("hydrostatic",))
+    [entry] = stiffer(rows)
+    assert entry.place == Path("discretisation/hydrostatic/doubled_stiffness")
+    assert entry.scene == with_overrides(rows[0].scene, ["cloth.stiffness=200"])
+    bars = error_bars(
+        {"doubled_stiffness": {"shape_rms": 0.01}}, coarsening(rows[0].scene), ["shape_rms"]
+    )
+    assert bars["shape_rms"] == pytest.approx(0.02)
+    own = with_overrides(run.scene(), ["diaphragm.inextensible=false"])
+    assert not stiffer(ladder_rows(own, ("hydrostatic",)))
 
 
 def test_a_model_that_the_scene_cannot_have_is_refused_before_anything_runs(tmp_path: Path) -> None:
@@ -171,9 +193,11 @@ def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_pat
         ("thesis", "coarser_grid"),
         ("hydrostatic", "coarser_grid"),
         ("hydrostatic", "doubled_step"),
+        ("hydrostatic", "doubled_stiffness"),
     ]
     assert all(point["error"]["pressure_rms"] is not None for point in study["points"])
-    assert set(study["discretisation"]) == {"coarser_grid", "doubled_step"}
+    expected = {"coarser_grid", "doubled_step", "doubled_stiffness"}
+    assert set(study["discretisation"]) == expected
     assert study["models"]["datum"]["error"]["shape_rms"] > 0.0
     assert any(stage.startswith("datum: ") for stage in said)
     assert (folder / "report.html").is_file()
