@@ -239,14 +239,11 @@ def test_a_full_disk_keeps_what_was_written(small_disk: Path) -> None:
     check_xdmf(small_disk)
 
 
-def test_writing_takes_a_small_share_of_the_wall_time(tmp_path: Path) -> None:
+def test_writing_takes_a_small_share_of_a_step(tmp_path: Path) -> None:
+    """Of CPU time, as others compute beside the tests; a small step takes 20 ms."""
     out = writer(tmp_path)
-    inside = 0.0
-    begin = time.perf_counter()
-    for k in range(100):
-        item = run.sample(0.01 * k, REFERENCE, TRIANGLES)
-        time.sleep(0.02)
-        before = time.perf_counter()
+    items = [run.sample(0.01 * k, REFERENCE, TRIANGLES) for k in range(100)]
+    begin = time.process_time()
+    for item in items:
         out.append(item)
-        inside += time.perf_counter() - before
-    assert inside < 0.15 * (time.perf_counter() - begin)  # 1/20, and room for a busy machine
+    assert time.process_time() - begin < 100 * 0.15 * 0.02  # a twentieth, and room
