@@ -1,11 +1,15 @@
-"""Bending about the moulded, curved shape: one quadratic energy per node.
+"""Bending about the moulded, curved shape: Koiter's energy, quadratic in the positions.
 
-The plate's energy is kappa/2 (2 H)^2 per area plus a multiple of the Gauss curvature, whose
-integral the sheet's border fixes (Gauss and Bonnet). So only the mean curvature H is resisted: by
-the Laplacian of the position, as Bergou et al., "A quadratic bending model for inextensible
-surfaces" (2006), have it, here summed over each node's own area, which is exact for cylinders and
-spheres alike. The moulded state enters through a signed normal, so that the mirrored shape costs
-energy.
+Per area, kappa/2 [(1 - nu) |rho|^2 + nu (tr rho)^2], rho = b - b0 the change of curvature from the
+moulded b0 (Koiter, "On the nonlinear theory of thin elastic shells", 1966; a flat plate's where b0
+is 0). With T = b11 + b22, D = b11 - b22 and S = 2 b12, and T0, D0, S0 as moulded, that is
+
+    kappa/2 [(1 + nu)/2 (T - T0)^2 + (1 - nu)/2 ((D - D0)^2 + (S - S0)^2)].
+
+The moulded state enters through a signed normal, so that the mirrored shape costs energy: 8 pi
+(1 + nu) kappa for a hemisphere. To resist the mean curvature alone, kappa/2 (T - T0)^2, differs by
+the integral of det rho, which the border fixes for a flat plate (Gauss and Bonnet), but not for a
+curved shape: the mirrored hemisphere would cost 16 pi kappa, whatever nu.
 """
 
 from __future__ import annotations
@@ -15,19 +19,19 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from cloth import kernels
-from cloth.arrays import Array, Ints
-from cloth.linear import stretch_matrix
-from cloth.mesh import Mesh, border_nodes, rest_gradients
+from cloth.arrays import Array, Bools, Ints
+from cloth.curvature import curvature_of, neighbours, voronoi_areas
+from cloth.mesh import Mesh, border_nodes
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bending:
-    """E = 1/2 sum_i kappa_i / A_i |(K x)_i - curvature_i normal_i|^2 over nodes off the border.
+    """E = x.Q x/2 - x.held - sum_i moment_i n_i.(R x)_i, and a constant that makes it 0 as moulded.
 
-    ``matrix`` (n, n) [N/m]: Q = K^T diag(kappa/A) K, the constant Hessian for x, y and z alike.
-    K [-], the Laplacian by cotangents, stands in rows: ``starts`` (n + 1,), ``columns`` and
-    ``values``. ``moment`` (n,) [N]: kappa/A curvature, with ``curvature`` [m] = 2 H A as moulded.
+    ``matrix`` Q (n, n) [N/m], the same for x, y and z. R [1/m^3] stands in rows: ``starts``
+    (n + 1,), ``columns`` and ``values``; n.(R x) is the product of the curvature with the moulded
+    moment over kappa, nu tr(b0) I + (1 - nu) b0. ``moment`` (n,) [N m^3]: kappa times the area that
+    a node stands for. ``held`` (n, 3) [N]: of a clamped rim.
     """
 
     matrix: sp.csc_matrix
@@ -35,81 +39,63 @@ class Bending:
     columns: Ints
     values: Array
     moment: Array
+    held: Array
+
+    def energy(self, position: Array, normals: Array) -> float:
+        """E [J] at ``position`` (n, 3) [m] of unit ``normals`` (n, 3), without the constant."""
+        size = len(position)
+        rows = sp.csr_matrix((self.values, self.columns, self.starts), shape=(size, size))
+        moulded = np.einsum("id,id->i", np.asarray(rows @ position), normals)
+        quadratic = 0.5 * float(np.vdot(position, self.matrix @ position))
+        return quadratic - float(self.moment @ moulded) - float(np.vdot(position, self.held))
 
 
-def voronoi_areas(mesh: Mesh) -> Array:
-    """Each node's own area (n,) [m^2]: nearest points of its triangles, cut where obtuse.
+def carried_areas(mesh: Mesh, rim: Bools) -> Array:
+    """``voronoi_areas`` (n,) [m^2], those of border nodes shared among neighbours off the border.
 
-    Meyer et al., "Discrete differential-geometry operators" (2003), section 3.3.
+    But for nodes of the ``rim`` (n,), which keep theirs. Curvature is known off the border: without
+    the border's half cells a plate on a simple support is too soft by their share, of first order
+    in the grid; with them, at their neighbours' curvature, the error is of second order.
     """
-    corner = mesh.points[mesh.triangles]
-    _, areas = rest_gradients(mesh.points, mesh.triangles)
-    own = np.zeros_like(corner[:, :, 0])
-    angles = np.zeros_like(own)
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        e, f = corner[:, j] - corner[:, i], corner[:, k] - corner[:, i]
-        angles[:, i] = np.arctan2(2.0 * areas, np.einsum("td,td->t", e, f))
-        opposite = np.einsum("td,td->t", corner[:, k] - corner[:, j], corner[:, k] - corner[:, j])
-        share = opposite / np.tan(angles[:, i]) / 8.0
-        own[:, j] += share
-        own[:, k] += share
-    obtuse = angles.max(axis=1) > 0.5 * np.pi
-    blunt = angles > 0.5 * np.pi
-    own[obtuse] = np.where(blunt[obtuse], 0.5, 0.25) * areas[obtuse, None]
-    result = np.zeros(len(mesh.points))
-    np.add.at(result, mesh.triangles, own)
-    return result
+    areas, pairs = voronoi_areas(mesh), neighbours(mesh.triangles)
+    border = np.zeros(len(areas), dtype=bool)
+    border[border_nodes(mesh.triangles)] = True
+    given = border & ~rim
+    pairs = pairs[given[pairs[:, 0]] & ~border[pairs[:, 1]]]
+    takers = np.maximum(np.bincount(pairs[:, 0], minlength=len(areas)), 1)
+    share = (areas / takers)[pairs[:, 0]]
+    more = np.bincount(pairs[:, 1], weights=share, minlength=len(areas))
+    return np.where(given, 0.0, areas + more)
 
 
-def bending_of(mesh: Mesh, stiffness: Array) -> Bending:
+def bending_of(mesh: Mesh, stiffness: Array, poisson: float, *, clamped: bool = False) -> Bending:
     """Bending of ``mesh`` with kappa = ``stiffness`` (n,) [N m] at its nodes, at rest as moulded.
 
-    The border is free to turn (simply supported where clamped). Where it is free to move too,
-    saddles cost nothing: the border's own terms are left out.
+    ``poisson`` [-]. The border is free to turn: free edges, and simple supports where nodes are
+    fixed. ``clamped``: the fixed nodes of the border hold the moulded slope, as if the moulded
+    shape went on beyond them; they must be held where they were moulded. A slope held along a fixed
+    rim leaves one component of rho, across the rim, of which the border's row of the Laplacian
+    L gives area times rho = -L (x - X0): kappa/2 rho^2 per area, quadratic as the rest is.
     """
-    size = len(mesh.points)
-    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
-    inside = np.ones(size)
-    inside[border_nodes(mesh.triangles)] = 0.0
-    normal = np.zeros_like(mesh.points)
-    everywhere = np.ones(size, dtype=bool)
-    kernels.volume_and_gradient(mesh.points, mesh.triangles, everywhere, normal)
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    laplacian = stretch_matrix(mesh.triangles, gradients, areas, size).tocsr()
-    rows = sp.csr_matrix(sp.diags(inside) @ _upright(laplacian, mesh, normal))
-    rows.eliminate_zeros()
-    weight = inside * stiffness / voronoi_areas(mesh)
-    curvature = np.einsum("id,id->i", rows @ mesh.points, normal)
+    rim = np.zeros(len(mesh.points), dtype=bool)
+    rim[border_nodes(mesh.triangles)] = clamped
+    rim &= mesh.fixed
+    known, area = curvature_of(mesh), carried_areas(mesh, rim)
+    even, uneven = 0.5 * (1.0 + poisson), 0.5 * (1.0 - poisson)
+    terms = ((even, known.trace), (uneven, known.difference), (uneven, known.twist))
+    moment = np.where(rim, 0.0, stiffness * area)
+    matrix = moulded = sp.csr_matrix(known.trace.shape)
+    for factor, rows in terms:
+        curvature = np.einsum("id,id->i", rows @ mesh.points, known.normals)
+        matrix = matrix + factor * (rows.T @ sp.diags(moment) @ rows)
+        moulded = sp.csr_matrix(moulded + sp.diags(factor * curvature) @ rows)
+    at_rim = np.where(rim, stiffness / np.where(rim, area, 1.0), 0.0)
+    beside = known.laplacian.T @ sp.diags(at_rim) @ known.laplacian
     return Bending(
-        matrix=sp.csc_matrix(rows.T @ sp.diags(weight) @ rows),
-        starts=rows.indptr.astype(np.int64),
-        columns=rows.indices.astype(np.int64),
-        values=np.ascontiguousarray(rows.data),
-        moment=weight * curvature,
+        matrix=sp.csc_matrix(matrix + beside),
+        starts=moulded.indptr.astype(np.int64),
+        columns=moulded.indices.astype(np.int64),
+        values=np.ascontiguousarray(moulded.data),
+        moment=moment,
+        held=np.asarray(beside @ mesh.points),
     )
-
-
-def _upright(laplacian: sp.csr_matrix, mesh: Mesh, normal: Array) -> sp.csr_matrix:
-    """``laplacian`` less a multiple of each node's gradient, so that K X0 is along ``normal``.
-
-    Where neighbours are uneven, K X0 leans over by O(h): the moulded shape would not be at rest.
-    """
-    corner = mesh.points[mesh.triangles]
-    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
-    along = corner[:, 1] - corner[:, 0]
-    along = along / np.linalg.norm(along, axis=1)[:, None]
-    up = np.cross(along, corner[:, 2] - corner[:, 0])
-    across = np.cross(up / np.linalg.norm(up, axis=1)[:, None], along)
-    slopes = gradients[:, :, :1] * along[:, None] + gradients[:, :, 1:] * across[:, None]
-    slopes = slopes * areas[:, None, None]  # (m, 3, 3): of each corner's hat function, in space
-    size, corners = len(mesh.points), mesh.triangles
-    nodes, others = np.repeat(corners, 3, axis=1).ravel(), np.tile(corners, (1, 3)).ravel()
-    parts = [np.tile(slopes[:, :, d], (1, 3)).ravel() for d in range(3)]
-    gradient = [sp.csr_matrix((part, (nodes, others)), shape=(size, size)) for part in parts]
-    lean = laplacian @ mesh.points
-    lean -= np.einsum("id,id->i", lean, normal)[:, None] * normal
-    spread = np.stack([part @ mesh.points for part in gradient], axis=1)  # area * projector
-    spread += np.einsum("id,ie->ide", normal, normal) * areas.mean()  # nothing leans that way
-    share = np.linalg.solve(spread.transpose(0, 2, 1), lean[:, :, None])[:, :, 0]
-    return sp.csr_matrix(laplacian - sum(sp.diags(share[:, d]) @ gradient[d] for d in range(3)))

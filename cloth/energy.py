@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from cloth.arrays import Array
 from cloth.load import Settings
@@ -41,7 +40,7 @@ def sheet_energy(model: ClothModel, memory: Memory) -> SheetEnergy:
     x, v = memory.position, memory.velocity
     return SheetEnergy(
         kinetic=0.5 * float(model.mass @ np.einsum("id,id->i", v, v)),
-        bending=_bending(model, x),
+        bending=model.bending.energy(x, _normals(model, x)),
         stretch=stretch_energy(model, x),
     )
 
@@ -72,15 +71,6 @@ def _normals(model: ClothModel, position: Array) -> Array:
     _, gradient = model.volume_and_gradient(position)
     size = np.sqrt(np.einsum("id,id->i", gradient, gradient))
     return np.asarray(gradient / np.where(size > 0.0, size, 1.0)[:, None])
-
-
-def _bending(model: ClothModel, position: Array) -> float:
-    """1/2 sum_i w_i |(K x)_i - c_i n_i|^2 [J] of ``cloth.bending`` without the constant c_i^2."""
-    bent, size = model.bending, len(position)
-    rows = sp.csr_matrix((bent.values, bent.columns, bent.starts), shape=(size, size))
-    curvature = np.einsum("id,id->i", np.asarray(rows @ position), _normals(model, position))
-    quadratic = 0.5 * float(np.vdot(position, bent.matrix @ position))
-    return quadratic - float(bent.moment @ curvature)
 
 
 def stretch_energy(model: ClothModel, position: Array) -> float:

@@ -90,7 +90,9 @@ def constant_force(
     inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)
     drag = (settings.drag / b * model.mass)[:, None] * anchor
     damping = -settings.bending_damping / b * model.bending_force(anchor)
-    total = inertial + drag + damping + system.lift(model.clamped, model.mesh.fixed)
+    rim = system.lift(model.clamped, model.mesh.fixed)
+    rim += (1.0 + settings.bending_damping / b) * model.bending.held
+    total = inertial + drag + damping + rim
     if rows is not None:
         flat = rows.reshape(len(rows), -1)
         total = total + (flat.T @ (flat @ kin.prediction.ravel())).reshape(-1, 3)

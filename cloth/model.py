@@ -36,6 +36,7 @@ class ClothModel:
         tensile_stiffness: float | None,
         compressive_stiffness: float | None,
         self_contact: bool,
+        clamped_rim: bool = False,
     ) -> None:
         self.mesh, self.clamped = mesh, clamped
         self.shell_radius = shell_radius
@@ -64,8 +65,13 @@ class ClothModel:
             if compressive_stiffness is None
             else np.full_like(stiffness, compressive_stiffness)
         )
+        if clamped_rim and np.any(clamped[mesh.fixed] != mesh.points[mesh.fixed]):
+            raise ValueError("cloth: a clamped rim must be held where it was moulded.")
         self.bending = bending_of(
-            mesh, lumped(mesh, diaphragm.bending_stiffness_at(thickness)) / area
+            mesh,
+            lumped(mesh, diaphragm.bending_stiffness_at(thickness)) / area,
+            diaphragm.poisson_ratio,
+            clamped=clamped_rim,
         )
         base = 0.0 if shell_radius is None else 2.0 / 3.0 * math.pi * shell_radius**3
         self.half_shell = base
@@ -93,8 +99,8 @@ class ClothModel:
     def bending_force(self, position: Array) -> Array:
         """-dE/dx (n, 3) [N] of the bending energy, the turning of the normals left out."""
         _, gradient = self.volume_and_gradient(position)
-        force = np.asarray(-(self.bending.matrix @ position))
         bent = self.bending
+        force = np.asarray(bent.held - bent.matrix @ position)
         node_kernels.bending_rest_step(
             gradient, bent.starts, bent.columns, bent.values, bent.moment, force
         )

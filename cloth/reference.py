@@ -153,9 +153,10 @@ def bending_rest_step(
 ) -> None:
     """Add the moulded curvature's part of the bending force to ``rhs`` (n, 3) [N].
 
-    ``starts``, ``columns``, ``values``: rows of K as in ``cloth.bending.Bending``; ``moment`` (n,)
-    [N]; the normal is that of the volume's ``gradient`` (n, 3), and its own derivative is left
-    out. The other part, -Q x, stands in the matrix.
+    ``starts``, ``columns``, ``values``: rows of R as in ``cloth.bending.Bending``; ``moment`` (n,)
+    [N m^3]; the normal is that of the volume's ``gradient`` (n, 3), and its own derivative is left
+    out: R x is along it where the sheet does not stretch. The other part, -Q x, stands in the
+    matrix.
     """
     size = np.linalg.norm(gradient, axis=1)
     normals = gradient / np.where(size > 0.0, size, 1.0)[:, None]

@@ -42,6 +42,7 @@ class Cloth:
         tensile_stiffness: float | None = None,
         compressive_stiffness: float | None = None,
         self_contact: bool = False,
+        clamped_rim: bool = False,
         settings: Settings | None = None,
         held: bool = False,
     ) -> None:
@@ -52,7 +53,8 @@ class Cloth:
         and ``compressive_stiffness`` [N/m] instead of the rubber's own E t: large for a sheet that
         hardly stretches, small for one that wrinkles below the grid. ``self_contact``: the sheet
         does not pass through itself, its mid-surfaces a thickness apart; it must not do so at the
-        start. ``held``: no node ever moves.
+        start. ``clamped_rim``: fixed nodes of the border hold the moulded slope, and must stand as
+        moulded. ``held``: no node ever moves.
         """
         position = mesh.points if position is None else position
         self.reference, self.triangles, self.fixed = mesh.points, mesh.triangles, mesh.fixed
@@ -66,6 +68,7 @@ class Cloth:
             tensile_stiffness=tensile_stiffness,
             compressive_stiffness=compressive_stiffness,
             self_contact=self_contact,
+            clamped_rim=clamped_rim,
         )
         self.mass, self.thickness = self.model.mass, self.model.thickness
         self.settings = Settings() if settings is None else settings

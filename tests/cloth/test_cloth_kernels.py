@@ -88,7 +88,7 @@ def test_node_step(mesh, crumpled):
     n = len(crumpled)
     limit, weight = rng.uniform(0.9, 1.0, n), np.where(mesh.fixed, 0.0, 3.0)
     drag = np.where(mesh.fixed, 0.0, rng.uniform(1.0, 2.0, n))
-    bent = bending_of(mesh, np.ones(n))
+    bent = bending_of(mesh, np.ones(n), 0.5)
     gradient = rng.normal(size=crumpled.shape)
     gradient[3] = 0.0  # a node without a normal
     z0, u0 = rng.normal(size=(2, *crumpled.shape)) * 0.1
@@ -112,7 +112,7 @@ def test_system_against_a_dense_solve(mesh, rank):
     rng = np.random.default_rng(7)
     n = len(mesh.points)
     free = ~mesh.fixed
-    bent = bending_of(mesh, np.ones(n))
+    bent = bending_of(mesh, np.ones(n), 0.5)
     matrix = sp.csc_matrix(bent.matrix + sp.diags(rng.uniform(1.0, 2.0, n)))
     rows = np.where(free[None, :, None], rng.normal(size=(rank, n, 3)), 0.0)
     system = System(matrix, free)
