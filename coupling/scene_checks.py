@@ -80,7 +80,7 @@ def _check_cells(scene: Scene) -> list[str]:
 
 
 def _check_grid(scene: Scene) -> list[str]:
-    """What the thesis' grid can do: one thickness, no compliance and no volume constraint."""
+    """What the thesis' grid can do: one thickness, a hinged rim, no compliance, no volume kept."""
     if scene.cloth.grid != "thesis":
         return []
     problems = []
@@ -98,6 +98,11 @@ def _check_grid(scene: Scene) -> list[str]:
         problems.append(
             'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false. '
             'Take cloth.grid = "rings" for a diaphragm that stretches.'
+        )
+    if scene.diaphragm.rim != "hinged":
+        problems.append(
+            f'diaphragm.rim: must be "hinged" for cloth.grid = "thesis", got '
+            f'"{scene.diaphragm.rim}". Take cloth.grid = "rings" for a clamped rim.'
         )
     if scene.diaphragm.thickness_map is not None:
         problems.append(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -66,11 +66,12 @@ def _mean_of_map(given: dict[str, Any]) -> float:
 
 
 class Diaphragm(Section):
-    """The rubber, moulded as a hemisphere and clamped at the equator.
+    """The rubber, moulded as a hemisphere and held at the equator.
 
     Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
     breaks at ``strength``: it is there to be compared with the tension. With a ``thickness_map``,
-    ``thickness`` is left out and stands for the map's mean over the moulded area.
+    ``thickness`` is left out and stands for the map's mean over the moulded area. A hinged rim
+    turns freely, as the thesis' simple support does; a clamped one holds the moulded slope.
     """
 
     thickness: float = Field(
@@ -98,6 +99,10 @@ class Diaphragm(Section):
     )
     inextensible: bool = Field(
         default=True, description="value false for the rubber's own compliance 1/(E t)"
+    )
+    rim: Literal["hinged", "clamped"] = Field(
+        default="hinged",
+        description='support at the equator: "hinged" or "clamped" (the moulded slope is held)',
     )
     held: bool = Field(
         default=False, description="value true to hold the settled shape (rigid-body limit)"

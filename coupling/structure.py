@@ -96,6 +96,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         if cloth.wrinkling == "resolved"
         else COMPRESSIVE * area * gravity,
         self_contact=True,
+        clamped_rim=scene.diaphragm.rim == "clamped",
         settings=Settings(
             tolerance=cloth.tolerance,
             iterations=cloth.iterations,

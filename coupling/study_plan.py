@@ -58,6 +58,7 @@ def thesis_row(scene: Scene) -> Entry:
     changes = (
         'cloth.grid="thesis"', f"cloth.resolution={SIZE}", 'cloth.wrinkling="relaxed"',
         'model.fluid="datum"', "diaphragm.inextensible=true",
+        'diaphragm.rim="hinged"',
     )  # fmt: skip
     return Entry(row=THESIS, resolution=AS_RUN, scene=with_overrides(scene, changes))
 

@@ -233,6 +233,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("model.fluid=openfom", "Did you mean openfoam?"),
         ("openfoam.processors=0", "must lie in [1, 256], got 0"),
         ("openfoam.keep_alive=1", "must be true or false, got 1"),
+        ("diaphragm.rim=glued", 'must be one of "hinged", "clamped", got "glued"'),
         ("cloth.wrinkling=sharp", 'must be one of "relaxed", "resolved", got "sharp"'),
         ("cloth.grid=square", 'one of "rings", "thesis", got "square"'),
         ("cloth.grid=thesis", 'needs model.fluid = "datum", got "openfoam"'),
@@ -270,6 +271,12 @@ def test_the_thesis_grid_is_even_and_by_default_that_of_the_thesis(folder: Path)
     assert load_scene(folder, [*wanted, "cloth.resolution=14"]).cloth.resolution == 14
     (line,) = problems(folder, *wanted, "cloth.resolution=25")
     assert 'cloth.resolution: must be even for cloth.grid = "thesis", got 25.' in line
+
+
+def test_the_thesis_grid_has_a_hinged_rim(folder: Path):
+    assert load_scene(folder, ["diaphragm.rim=clamped"]).diaphragm.rim == "clamped"
+    (line,) = problems(folder, "cloth.grid=thesis", "model.fluid=datum", "diaphragm.rim=clamped")
+    assert 'diaphragm.rim: must be "hinged" for cloth.grid = "thesis", got "clamped".' in line
 
 
 def test_the_thesis_grid_does_not_stretch(folder: Path):

@@ -53,6 +53,18 @@ def test_cg_of_half_a_ball():
     np.testing.assert_allclose(cg, [0, 0, -3 / 8 * RADIUS], atol=1e-12)
 
 
+def test_a_clamped_rim_resists_the_slope_that_a_hinged_one_gives_way_to():
+    """The moulded shape leaning inward, by the same angle all along the rim."""
+    rubber = {"material": "AF-E-332", "thickness": 0.001778}
+    leaning = hemisphere(RADIUS, 10).points
+    leaning[:, :2] *= 1.0 - 0.05 * leaning[:, 2:] / RADIUS
+    moment = {}
+    for rim in ("hinged", "clamped"):
+        model = diaphragm_of(scene(diaphragm={**rubber, "rim": rim})).model
+        moment[rim] = np.abs(model.bending_force(leaning)).max()
+    assert moment["clamped"] > 2.0 * moment["hinged"]
+
+
 def test_settles_at_the_level_of_the_spherical_cap():
     chosen = scene()
     cloth = diaphragm_of(chosen)
