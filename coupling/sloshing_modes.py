@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import eigh
+from scipy.linalg import eigh, solve
 from threadpoolctl import threadpool_limits
 
 from coupling.ports import Array
@@ -55,6 +55,20 @@ def covered_eigenvalue(eigenvalue: float, cover: float) -> float:
     mode alike: 1/lambda' = 1/lambda + cover, exactly.
     """
     return 1.0 / (1.0 / eigenvalue + cover)
+
+
+def surface_inertia(level: float, node: Array, weight: Array, heights: Array) -> Array:
+    """Twice the liquid's kinetic energy, over pi rho R^3, of ``heights`` (k, q) times cos(angle).
+
+    (k, k), each height's rate times the other's potential over the surface. ``node`` (q,): distance
+    from the axis over the surface's radius, ``weight`` (q,): of a quadrature over it, of degree
+    2 ``DEGREE`` at least. Heights that are much shorter than pi R/``DEGREE`` are not resolved.
+    """
+    stiffness, _ = _forms(level, DEGREE, DEGREE // 2)
+    surface = _basis(node, np.zeros_like(node), DEGREE, DEGREE // 2)[0]
+    square = 1.0 - (level - 1.0) ** 2
+    swept = (surface * weight * square * node) @ heights.T
+    return np.asarray(swept.T @ solve(stiffness, swept, assume_a="pos"))
 
 
 def _forms(level: float, along: int, across: int) -> tuple[Array, Array]:

@@ -37,6 +37,7 @@ CASES: dict[str, str] = {
     "static-level": "coupling.verify.static_level:static_level",
     "slosh": "coupling.verify.slosh:slosh",
     "cylinder": "coupling.verify.cylinder:cylinder",
+    "plate": "coupling.verify.plate:plate",
     "piston": "coupling.verify.piston:piston",
     "rigid": "coupling.verify.rigid:rigid",
     "momentum": "coupling.verify.momentum:momentum",

@@ -5,12 +5,14 @@ import pytest
 from scipy.linalg import eigh
 from scipy.special import jnp_zeros
 
+from cloth.material import diaphragm
 from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.geometry import cell_geometry
 from coupling.foam.mesh import half_ball
-from coupling.sloshing_modes import lateral_eigenvalue
+from coupling.sloshing_modes import covered_eigenvalue, lateral_eigenvalue
 from coupling.verify import CaseError, run_case
 from coupling.verify.cylinder import Tank
+from coupling.verify.plate import plate_frequency
 from coupling.verify.prism import prism_mesh
 from coupling.verify.slosh import DENSITY, EIGENVALUES, GRAVITY, RADIUS
 
@@ -224,3 +226,29 @@ def test_cylinder_with_openfoam_within_grid_and_step_error():
     angle = found.exact * step
     assert found.computed == pytest.approx(in_space * (1 - angle**2 / 3), rel=0.25 * angle**2 / 3)
     assert abs(in_space / found.exact - 1) < 0.01
+
+
+@pytest.mark.parametrize("rim", ["free", "hinged", "clamped"])
+def test_a_plate_on_the_liquid(rim):
+    """Second order in the rings, a quarter at twice as many; 12 just resolve the rim's own bend."""
+    coarse, fine = (
+        errors(run_case("plate", {"rim": rim, "resolution": str(rings), "degree": "12"}))
+        for rings in (12, 24)
+    )
+    assert fine["frequency"] < 0.4 * coarse["frequency"]
+    assert fine["frequency"] < 0.01
+
+
+def test_a_thin_plate_is_a_limp_cover():
+    """Its stiffness adds kappa k^4/(rho g) to the square of the frequency, k R = 1.84 or so."""
+    rubber = diaphragm("AF-E-332", 5e-4)
+    cover = rubber.area_density / (DENSITY * RADIUS)
+    limp = covered_eigenvalue(lateral_eigenvalue(1.0, 1), cover) * GRAVITY / RADIUS
+    stiffness = rubber.bending_stiffness * (1.84 / RADIUS) ** 4 / (DENSITY * GRAVITY)
+    assert stiffness < 1e-5
+    assert (2.0 * np.pi * plate_frequency(rubber, "free")) ** 2 == pytest.approx(limp, rel=1e-5)
+
+
+def test_what_a_plate_does_not_take():
+    with pytest.raises(CaseError, match="--rim: must be one of free, hinged, clamped"):
+        run_case("plate", {"rim": "glued"})
