@@ -33,3 +33,16 @@ def clamp_to_shell(position: Array, limit: Array) -> Array:
     """``position`` (n, 3) with every node moved radially to its ``limit`` (n,) if beyond it."""
     distance = np.linalg.norm(position, axis=1)
     return np.asarray(position * np.minimum(1.0, limit / np.maximum(distance, 1e-30))[:, None])
+
+
+def stuck(start: Array, place: Array, limit: Array, rub: Array) -> Bools:
+    """Nodes (n,) that the force ``rub`` (n, 3) [N] along the shell holds where they were.
+
+    ``place`` (n, 3) [m] on the shell, where the ray through ``start`` (n, 3) [m] meets it, to
+    rounding.
+    """
+    distance = np.maximum(np.linalg.norm(start, axis=1), 1e-30)
+    finite = np.where(np.isfinite(limit), limit, 0.0)
+    before = start * (finite / distance)[:, None]
+    there = np.abs(place - before).max(axis=1) <= 1e-12 * finite
+    return np.asarray(there & rub.any(axis=1))

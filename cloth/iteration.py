@@ -9,7 +9,7 @@ import numpy as np
 
 from cloth import kernels, node_kernels
 from cloth.arrays import Array
-from cloth.contact import clamp_to_shell
+from cloth.contact import clamp_to_shell, stuck
 from cloth.ending import Bounds, VolumeLostError, ending
 from cloth.inertia import Kinematics
 from cloth.linear import System
@@ -32,7 +32,8 @@ class StepProblem:
     """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate.
 
     ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
-    the iteration sets out; ``penalty`` [N/m] is the stretch's.
+    the iteration sets out; ``penalty`` [N/m] is the stretch's; ``rest`` (m, 3) is the strain free
+    of tension, (0, 3) where that is none.
     """
 
     model: ClothModel
@@ -46,6 +47,7 @@ class StepProblem:
     start: Array
     datum: float
     tension: Array
+    rest: Array
     contact_force: Array
     constant_force: Array
     limit: Array
@@ -56,13 +58,15 @@ class Solution:
     """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
 
     ``change`` [m] is the rms displacement that further iterations would add, as estimated.
-    ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
-    ``converged``: the tolerance is met, the volume kept, and no part crosses another.
+    ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell; ``contact``: of the sheet
+    with itself; ``planes``: what kept it apart in the iteration; ``converged``: the tolerance is
+    met, the volume kept, and no part crosses another.
     """
 
     position: Array
     tension: Array
     contact_force: Array
+    rub: Array
     datum: float
     volume: float
     strain: Array
@@ -107,6 +111,7 @@ class Iteration:
         p, model = problem, problem.model
         self.problem, self.planes = p, planes
         self.penalty = np.full(len(model.triangles), p.penalty)
+        self.tensile, self.compressive = model.stiffness(p.settings, p.dt)
         self.weight = model.shell_penalty(p.settings, p.penalty)
         self.moment = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
@@ -119,6 +124,7 @@ class Iteration:
         self.zc = np.where(model.mesh.fixed[:, None], model.clamped, 0.0)
         self.uc = p.contact_force / np.where(self.weight > 0.0, self.weight, 1.0)[:, None]
         self.gradient, self.response = np.zeros_like(self.x), np.zeros_like(self.x)
+        self.rub = np.zeros_like(self.x)
         self.slope = p.load.density * p.load.body_force
         self.datum = p.datum if p.load.datum is None else p.load.datum
         self.done = 0
@@ -131,11 +137,12 @@ class Iteration:
         r = p.settings.relaxation if self.done else 1.0
         cone = kernels.triangle_step(
             self.x, model.triangles, model.gradients, model.areas, self.penalty, r,
-            model.tensile, model.compressive, model.poisson, self.z, self.u,
+            self.tensile, self.compressive, model.poisson, p.rest, self.z, self.u,
             self.datum, self.slope, model.free, gradient, rhs,
         )  # fmt: skip
         node_kernels.node_step(
-            self.x, p.limit, self.weight, r, self.zc, self.uc,
+            self.x, p.limit, self.weight, r, p.settings.friction, p.committed,
+            self.zc, self.uc, self.rub,
             gradient, bent.starts, bent.columns, bent.values, self.moment,
             p.kin.position_anchor, self.drag, rhs,
         )  # fmt: skip
@@ -202,8 +209,9 @@ class Iteration:
             volume=p.load.volume,
             response=self.response,
         )
+        still = stuck(p.committed, self.zc, p.limit, self.rub)[:, None]
         try:
-            end = ending(self.x, bounds)
+            end = ending(np.where(still, self.zc, self.x), bounds)
         except VolumeLostError as lost:
             raise self._diverged(str(lost)) from lost
         if not np.all(np.isfinite(end.position)):
@@ -212,6 +220,7 @@ class Iteration:
             position=end.position,
             tension=self.u * self.penalty[:, None, None],
             contact_force=self.uc * self.weight[:, None],
+            rub=self.rub,
             datum=self.datum,
             volume=end.volume,
             strain=end.strain,

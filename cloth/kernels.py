@@ -52,6 +52,44 @@ def project_stretch(
 
 
 @compiled
+def project_shifted(
+    a: float,
+    b: float,
+    c: float,
+    rest: Array,
+    penalty: float,
+    tensile: float,
+    compressive: float,
+    poisson: float,
+) -> tuple[float, float, float]:
+    """The same of a sheet free of tension at the strain ``rest`` (3,): see ``cloth.viscous``.
+
+    U = 1 + rest + g of the g that ``limited`` leaves of sqrt(y^T y) - 1 - rest, and z = y P is the
+    nearest to y of all with that U: P = U (U y^T y U)^(-1/2) U.
+    """
+    root = math.sqrt(max(a * c - b * b, 1e-24))
+    size = math.sqrt(a + c + 2.0 * root)
+    g, h, k = (a + root) / size - rest[0], b / size - rest[1], (c + root) / size - rest[2]
+    mean, half = 0.5 * (g + k), 0.5 * (g - k)
+    spread = math.sqrt(half * half + h * h)
+    first, second = limited(mean + spread, mean - spread, penalty, tensile, compressive, poisson)
+    middle, deviation = 0.5 * (first + second), 0.5 * (first - second)
+    cos2, sin2 = 1.0, 0.0
+    if spread > 1e-14 * abs(mean):
+        cos2, sin2 = half / spread, h / spread
+    p, q = middle + deviation * cos2 + rest[0], deviation * sin2 + rest[1]
+    s = middle - deviation * cos2 + rest[2]
+    # U y^T y U, and the inverse of its root by its trace and determinant.
+    d, e, f, g = a * p + b * q, a * q + b * s, b * p + c * q, b * q + c * s
+    a, b, c = p * d + q * f, p * e + q * g, q * e + s * g
+    root = math.sqrt(max(a * c - b * b, 1e-24))
+    scale = 1.0 / (root * math.sqrt(a + c + 2.0 * root))
+    a, b, c = scale * (c + root), -scale * b, scale * (a + root)
+    d, e, f, g = a * p + b * q, a * q + b * s, b * p + c * q, b * q + c * s
+    return p * d + q * f, p * e + q * g, q * e + s * g
+
+
+@compiled
 def triangle_step(
     x: Array,
     triangles: Ints,
@@ -62,6 +100,7 @@ def triangle_step(
     tensile: Array,
     compressive: Array,
     poisson: float,
+    rest: Array,
     z: Array,
     u: Array,
     datum: float,
@@ -71,7 +110,7 @@ def triangle_step(
     rhs: Array,
 ) -> float:
     """See ``cloth.reference.triangle_step``."""
-    rest, volume = 1.0 - relaxation, 0.0
+    over, volume, shifted = 1.0 - relaxation, 0.0, len(rest) > 0
     s0, s1, s2 = slope
     gradient[:] = 0.0
     for t in range(triangles.shape[0]):
@@ -82,21 +121,20 @@ def triangle_step(
         # F maps the moulded plane: the gradients of the three corners sum to zero.
         g1, h1 = relaxation * gradients[t, 1, 0], relaxation * gradients[t, 1, 1]
         g2, h2 = relaxation * gradients[t, 2, 0], relaxation * gradients[t, 2, 1]
-        y00 = a0 * g1 + b0 * g2 + rest * z[t, 0, 0] + u[t, 0, 0]
-        y10 = a1 * g1 + b1 * g2 + rest * z[t, 1, 0] + u[t, 1, 0]
-        y20 = a2 * g1 + b2 * g2 + rest * z[t, 2, 0] + u[t, 2, 0]
-        y01 = a0 * h1 + b0 * h2 + rest * z[t, 0, 1] + u[t, 0, 1]
-        y11 = a1 * h1 + b1 * h2 + rest * z[t, 1, 1] + u[t, 1, 1]
-        y21 = a2 * h1 + b2 * h2 + rest * z[t, 2, 1] + u[t, 2, 1]
-        p, q, s = project_stretch(
-            y00 * y00 + y10 * y10 + y20 * y20,
-            y00 * y01 + y10 * y11 + y20 * y21,
-            y01 * y01 + y11 * y11 + y21 * y21,
-            penalty[t],
-            tensile[t],
-            compressive[t],
-            poisson,
-        )
+        y00 = a0 * g1 + b0 * g2 + over * z[t, 0, 0] + u[t, 0, 0]
+        y10 = a1 * g1 + b1 * g2 + over * z[t, 1, 0] + u[t, 1, 0]
+        y20 = a2 * g1 + b2 * g2 + over * z[t, 2, 0] + u[t, 2, 0]
+        y01 = a0 * h1 + b0 * h2 + over * z[t, 0, 1] + u[t, 0, 1]
+        y11 = a1 * h1 + b1 * h2 + over * z[t, 1, 1] + u[t, 1, 1]
+        y21 = a2 * h1 + b2 * h2 + over * z[t, 2, 1] + u[t, 2, 1]
+        a = y00 * y00 + y10 * y10 + y20 * y20
+        b = y00 * y01 + y10 * y11 + y20 * y21
+        c = y01 * y01 + y11 * y11 + y21 * y21
+        pull, push = tensile[t], compressive[t]
+        if shifted:
+            p, q, s = project_shifted(a, b, c, rest[t], penalty[t], pull, push, poisson)
+        else:
+            p, q, s = project_stretch(a, b, c, penalty[t], pull, push, poisson)
         n0 = (a1 * b2 - a2 * b1) / 6.0
         n1 = (a2 * b0 - a0 * b2) / 6.0
         n2 = (a0 * b1 - a1 * b0) / 6.0

@@ -44,7 +44,8 @@ class Settings:
     otherwise bounds it. ``penalty`` k [N/m] of the stretch, None for ``penalty_of`` the step;
     ``shell_weight`` [-]: the shell's penalty at a node of mean mass, over k; ``relaxation`` r [-],
     1 to 1.85. ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on the tangential velocity
-    alone, per cloth mass.
+    alone, per cloth mass. ``stretch_damping`` tau [s] of ``cloth.viscous``; ``friction`` [-],
+    Coulomb's coefficient on the shell.
     """
 
     tolerance: float = 1e-5
@@ -54,6 +55,8 @@ class Settings:
     relaxation: float = 1.7
     bending_damping: float = 1.0
     drag: float = 100.0
+    stretch_damping: float = 0.0
+    friction: float = 0.0
 
 
 def penalty_of(load: Load, *, size: float, inertia: float) -> float:

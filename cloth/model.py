@@ -96,6 +96,15 @@ class ClothModel:
         share = self.mass / self.mass[self.free].mean()
         return np.where(self.free, settings.shell_weight * penalty * share, 0.0)
 
+    def stiffness(self, settings: Settings, dt: float) -> tuple[Array, Array]:
+        """``tensile`` and ``compressive`` (m,) [N/m] of a step of ``dt`` [s] (``cloth.viscous``).
+
+        A relaxed sheet's ``compressive`` is no rubber's, and loses nothing.
+        """
+        stiffer = 1.0 + settings.stretch_damping / dt
+        whole = self.compressive >= self.tensile
+        return stiffer * self.tensile, np.where(whole, stiffer, 1.0) * self.compressive
+
     def bending_force(self, position: Array) -> Array:
         """-dE/dx (n, 3) [N] of the bending energy, the turning of the normals left out."""
         _, gradient = self.volume_and_gradient(position)

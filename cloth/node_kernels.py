@@ -10,10 +10,20 @@ from cloth.compiled import compiled
 
 @compiled
 def contact_step(
-    x: Array, limit: Array, weight: Array, relaxation: float, z: Array, u: Array, rhs: Array
+    x: Array,
+    limit: Array,
+    weight: Array,
+    relaxation: float,
+    friction: float,
+    start: Array,
+    z: Array,
+    u: Array,
+    rub: Array,
+    rhs: Array,
 ) -> None:
     """See ``cloth.reference.contact_step``."""
     for i in range(x.shape[0]):
+        rub[i, 0] = rub[i, 1] = rub[i, 2] = 0.0
         if weight[i] <= 0.0:
             continue
         y0 = relaxation * x[i, 0] + (1.0 - relaxation) * z[i, 0] + u[i, 0]
@@ -21,10 +31,42 @@ def contact_step(
         y2 = relaxation * x[i, 2] + (1.0 - relaxation) * z[i, 2] + u[i, 2]
         radius = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
         scale = min(1.0, limit[i] / max(radius, 1e-30))
-        z[i, 0], z[i, 1], z[i, 2] = scale * y0, scale * y1, scale * y2
+        if friction > 0.0 and scale < 1.0:
+            slide_to(y0 / radius, y1 / radius, y2 / radius, start[i], friction, scale, z[i])
+            n0, n1, n2 = z[i, 0], z[i, 1], z[i, 2]
+            z[i, 0], z[i, 1], z[i, 2] = limit[i] * n0, limit[i] * n1, limit[i] * n2
+            along = (y0 - z[i, 0]) * n0 + (y1 - z[i, 1]) * n1 + (y2 - z[i, 2]) * n2
+            rub[i, 0] = weight[i] * (y0 - z[i, 0] - along * n0)
+            rub[i, 1] = weight[i] * (y1 - z[i, 1] - along * n1)
+            rub[i, 2] = weight[i] * (y2 - z[i, 2] - along * n2)
+        else:
+            z[i, 0], z[i, 1], z[i, 2] = scale * y0, scale * y1, scale * y2
         u[i, 0], u[i, 1], u[i, 2] = y0 - z[i, 0], y1 - z[i, 1], y2 - z[i, 2]
         for d in range(3):
             rhs[i, d] += weight[i] * (z[i, d] - u[i, d])
+
+
+@compiled
+def slide_to(
+    e0: float, e1: float, e2: float, start: Array, friction: float, scale: float, place: Array
+) -> None:
+    """The direction into ``place`` (3,) where friction leaves a node asked for along e.
+
+    On the great circle from the unit vector e to that of ``start`` (3,), at most so far that it is
+    there; ``scale``: the shell's radius over the distance asked for.
+    """
+    size = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
+    s0, s1, s2 = start[0] / size, start[1] / size, start[2] / size
+    cosine = e0 * s0 + e1 * s1 + e2 * s2
+    t0, t1, t2 = s0 - cosine * e0, s1 - cosine * e1, s2 - cosine * e2
+    sine = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    cone = math.atan(friction)
+    turn = cone - math.asin(math.sin(cone) * scale)
+    if math.atan2(sine, cosine) <= turn:
+        place[0], place[1], place[2] = s0, s1, s2
+        return
+    c, s = math.cos(turn), math.sin(turn) / max(sine, 1e-300)
+    place[0], place[1], place[2] = c * e0 + s * t0, c * e1 + s * t1, c * e2 + s * t2
 
 
 @compiled
@@ -68,8 +110,11 @@ def node_step(
     limit: Array,
     weight: Array,
     relaxation: float,
+    friction: float,
+    start: Array,
     z: Array,
     u: Array,
+    rub: Array,
     gradient: Array,
     starts: Ints,
     columns: Ints,
@@ -80,6 +125,6 @@ def node_step(
     rhs: Array,
 ) -> None:
     """``contact_step``, ``bending_rest_step`` and ``normal_drag_step`` in one call."""
-    contact_step(x, limit, weight, relaxation, z, u, rhs)
+    contact_step(x, limit, weight, relaxation, friction, start, z, u, rub, rhs)
     bending_rest_step(gradient, starts, columns, values, moment, rhs)
     normal_drag_step(x, anchor, gradient, drag, rhs)

@@ -48,6 +48,7 @@ def membrane_step(
     tensile: Array,
     compressive: Array,
     poisson: float,
+    rest: Array,
     z: Array,
     u: Array,
     rhs: Array,
@@ -56,17 +57,43 @@ def membrane_step(
 
     y = r F(x) + (1 - r) z + u; z = y with its singular values ``limited``; u = y - z. ``z`` and
     ``u`` (m, 3, 2) [-] are changed; the tension is k u [N/m]. rhs += sum_t k A (z - u) g^T.
+    With ``rest`` (m, 3), the strain free of tension (``cloth.viscous``), z is ``shifted``; without,
+    it is empty, (0, 3).
     """
     stretch = np.einsum("tid,tie->tde", x[triangles], gradients)
     y = relaxation * stretch + (1.0 - relaxation) * z + u
-    left, sigma, right = np.linalg.svd(y, full_matrices=False)
-    new = np.stack(
-        limited(sigma[:, 0], sigma[:, 1], penalty, tensile, compressive, poisson), axis=1
-    )
-    z[:] = left * new[:, None, :] @ right
+    if len(rest):
+        z[:] = shifted(y, rest, penalty, tensile, compressive, poisson)
+    else:
+        left, sigma, right = np.linalg.svd(y, full_matrices=False)
+        new = np.stack(
+            limited(sigma[:, 0], sigma[:, 1], penalty, tensile, compressive, poisson), axis=1
+        )
+        z[:] = left * new[:, None, :] @ right
     u[:] = y - z
     pull = (penalty * areas)[:, None, None] * np.einsum("tde,tie->tid", z - u, gradients)
     np.add.at(rhs, triangles, pull)
+
+
+def shifted(
+    y: Array, rest: Array, penalty: Array, tensile: Array, compressive: Array, poisson: float
+) -> Array:
+    """Deformation gradients z (m, 3, 2) for those asked for, ``y``, free of tension at ``rest``.
+
+    z = Q U, U = 1 + rest + g, g the symmetric part of Q_y^T y - 1 - rest with its principal values
+    ``limited``, Q_y the rotation of ``y``; Q, the rotation nearest to ``y``, that of y U, so that
+    y - z turns no triangle. Where rest and strain have the same axes that is the minimum of
+    k/2 |z - y|^2 + W(U - rest); elsewhere but for the third power of the strains.
+    """
+    left, sigma, right = np.linalg.svd(y, full_matrices=False)
+    shift = np.stack([rest[:, :2], rest[:, 1:]], axis=1)
+    values, axes = np.linalg.eigh(right.transpose(0, 2, 1) * sigma[:, None, :] @ right - shift)
+    second, first = values.T
+    new = limited(first, second, penalty, tensile, compressive, poisson)
+    values = np.stack(new[::-1], axis=1)
+    stretch = axes * values[:, None, :] @ axes.transpose(0, 2, 1) + shift
+    left, _, right = np.linalg.svd(y @ stretch, full_matrices=False)
+    return np.asarray(left @ right @ stretch)
 
 
 def principal_strains(x: Array, triangles: Ints, gradients: Array, strain: Array) -> float:
@@ -77,17 +104,48 @@ def principal_strains(x: Array, triangles: Ints, gradients: Array, strain: Array
 
 
 def contact_step(
-    x: Array, limit: Array, weight: Array, relaxation: float, z: Array, u: Array, rhs: Array
+    x: Array,
+    limit: Array,
+    weight: Array,
+    relaxation: float,
+    friction: float,
+    start: Array,
+    z: Array,
+    u: Array,
+    rub: Array,
+    rhs: Array,
 ) -> None:
     """Keep |x_i| <= ``limit`` (n,) [m] by projecting on the ball; changes ``z``, ``u`` (n, 3) [m].
 
-    ``weight`` (n,) [N/m] of a node, 0 leaves it out; the contact force is weight u [N].
+    ``weight`` (n,) [N/m] of a node, 0 leaves it out; the contact force is weight u [N]. With a
+    coefficient of ``friction`` mu a node that is beyond the ball sticks where the ray through its
+    ``start`` (n, 3) [m] meets the ball, if y - z is in Coulomb's cone there, |tangential| <= mu
+    normal; else z lies on the great circle from y to that place, where it is on the cone's edge:
+    in y's own plane, sin(a - atan mu) = -sin(atan mu) ``limit``/|y|, a the angle from y to z.
+    ``rub`` (n, 3) [N] becomes the tangential part of the force on the shell.
     """
+    rub[:] = 0.0
     on = weight > 0.0
     y = relaxation * x[on] + (1.0 - relaxation) * z[on] + u[on]
-    scale = np.minimum(1.0, limit[on] / np.linalg.norm(y, axis=1))
+    radius = np.linalg.norm(y, axis=1)
+    scale = np.minimum(1.0, limit[on] / radius)
     z[on] = scale[:, None] * y
+    if friction > 0.0:
+        outward = y / radius[:, None]
+        place = start[on] / np.linalg.norm(start[on], axis=1)[:, None]
+        cosine = np.einsum("id,id->i", outward, place)
+        across = place - cosine[:, None] * outward
+        sine = np.linalg.norm(across, axis=1)
+        across /= np.where(sine > 0.0, sine, 1.0)[:, None]
+        cone = np.arctan(friction)
+        turn = np.minimum(cone - np.arcsin(np.sin(cone) * scale), np.arctan2(sine, cosine))
+        turned = np.cos(turn)[:, None] * outward + np.sin(turn)[:, None] * across
+        touching = (radius > limit[on])[:, None]
+        z[on] = np.where(touching, limit[on][:, None] * turned, z[on])
     u[on] = y - z[on]
+    if friction > 0.0:
+        along = np.einsum("id,id->i", u[on], turned)[:, None] * turned
+        rub[on] = np.where(touching, weight[on][:, None] * (u[on] - along), 0.0)
     rhs[on] += weight[on, None] * (z[on] - u[on])
 
 
@@ -128,6 +186,7 @@ def triangle_step(
     tensile: Array,
     compressive: Array,
     poisson: float,
+    rest: Array,
     z: Array,
     u: Array,
     datum: float,
@@ -142,7 +201,7 @@ def triangle_step(
     """
     membrane_step(
         x, triangles, gradients, areas, penalty, relaxation, tensile, compressive, poisson,
-        z, u, rhs,
+        rest, z, u, rhs,
     )  # fmt: skip
     pressure_step(x, triangles, datum, slope, rhs)
     return volume_and_gradient(x, triangles, free, gradient)

@@ -137,6 +137,8 @@ def settle(
     ramping = replace(
         cloth.settings,
         bending_damping=damping,
+        stretch_damping=0.0,
+        friction=0.0,
         tolerance=0.0,
         iterations=RAMPING,
         shell_weight=shell_weight,

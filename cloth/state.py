@@ -49,7 +49,8 @@ class Memory:
     ``position``, ``velocity`` and their ``previous_`` values (n, 3); ``previous_dt`` [s], 0 when
     there is no previous step; ``tension`` (m, 3, 2) [N/m], the strain limit's dual in physical
     units; ``contact_force`` (n, 3) [N], the shell's; ``datum`` [Pa]; ``volume`` [m^3];
-    ``strain`` (m,); ``change`` [m]; ``shell_slip``, ``self_slip`` (n,) [m]; ``near``, 1 where
+    ``strain`` (m,); ``rubber_strain`` (m, 3), the rubber's own (``cloth.viscous``); ``change`` [m];
+    ``shell_slip``, ``self_slip`` (n,) [m]; ``near``, 1 where
     parts of the sheet are near each other. Scalars are arrays of shape (1,).
     """
 
@@ -63,6 +64,7 @@ class Memory:
     datum: Array
     volume: Array
     strain: Array
+    rubber_strain: Array
     change: Array
     shell_slip: Array
     self_slip: Array
@@ -83,6 +85,7 @@ class Memory:
             datum=np.zeros(1),
             volume=np.array([volume]),
             strain=np.zeros(triangles),
+            rubber_strain=np.zeros((triangles, 3)),
             change=np.zeros(1),
             shell_slip=np.zeros(len(position)),
             self_slip=np.zeros(len(position)),

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from cloth.arrays import Array
 from cloth.contact import pressed, slid
-from cloth.energy import SheetEnergy, SheetLosses, sheet_energy, sheet_losses
+from cloth.energy import (
+    SheetEnergy,
+    SheetLosses,
+    rubber_at,
+    sheet_energy,
+    sheet_losses,
+    stretch_loss,
+)
 from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import Solution, StepProblem, constant_force, iterate
 from cloth.linear import System
@@ -17,6 +25,7 @@ from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
 from cloth.state import ClothState, Memory, principal_tension
+from cloth.viscous import free_strain
 
 SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
 
@@ -73,10 +82,11 @@ class Cloth:
         self.mass, self.thickness = self.model.mass, self.model.thickness
         self.settings = Settings() if settings is None else settings
         self._memory = Memory.at_rest(position, len(mesh.triangles), self.model.volume(position))
+        self._memory.rubber_strain, _ = rubber_at(self.model, position)
         self._systems: dict[tuple[float, float, Settings], System] = {}
         self._dt = 0.0
         self._kin: Kinematics | None = None
-        self._accepted_b = 0.0  # of the step that led to the committed state, 0 where none is known
+        self._losses = SheetLosses()  # in the step that led to the committed state, if known
         self._problem: StepProblem | None = None
         self._first: Solution | None = None
         self._solution: Solution | None = None
@@ -126,6 +136,7 @@ class Cloth:
             start=m.position + dt * m.velocity,
             datum=float(m.datum[0]),
             tension=m.tension,
+            rest=free_strain(m.rubber_strain, settings.stretch_damping / dt),
             contact_force=m.contact_force,
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
             limit=self.model.limit,
@@ -192,6 +203,7 @@ class Cloth:
         limit, reach = self._problem.limit, 0.5 * float(self.thickness.max())
         rubbing = pressed(m.position, m.contact_force, limit, reach)
         rubbing &= pressed(s.position, s.contact_force, limit, reach)
+        rubber, slack = rubber_at(self.model, s.position, self._problem.rest)
         rubbed = 0.0 if s.contact is None else s.contact.node_slip()
         self._memory = Memory(
             position=s.position,
@@ -204,12 +216,19 @@ class Cloth:
             datum=np.array([s.datum]),
             volume=np.array([s.volume]),
             strain=s.strain,
+            rubber_strain=rubber,
             change=np.array([s.change]),
             shell_slip=m.shell_slip + slid(m.position, s.position, rubbing),
             self_slip=m.self_slip + rubbed,
             near=np.array([float(s.contact is not None and s.contact.near.any())]),
         )
-        self._kin, self._accepted_b = None, kin.b
+        settings, strained = self._problem.settings, rubber - m.rubber_strain
+        self._losses = replace(
+            sheet_losses(self.model, settings, self._memory, kin.b),
+            stretch=stretch_loss(self.model, settings.stretch_damping, strained, slack, self._dt),
+            friction=float(np.vdot(s.rub, s.position - m.position)) / self._dt,
+        )
+        self._kin = None
 
     def halt(self) -> None:
         """Bring the committed state to rest where it is: no velocity, no history, no wear yet."""
@@ -218,6 +237,7 @@ class Cloth:
         still = np.zeros_like(m.velocity)
         m.velocity, m.previous_velocity = still, still
         m.previous_position, m.previous_dt = m.position, np.zeros(1)
+        self._losses = SheetLosses()
 
     @property
     def previous_step(self) -> float:
@@ -245,8 +265,8 @@ class Cloth:
         return sheet_energy(self.model, self._memory)
 
     def losses(self) -> SheetLosses:
-        """In the step accepted last, by its damping; none before the first."""
-        return sheet_losses(self.model, self.settings, self._memory, self._accepted_b)
+        """In the step accepted last; none before the first."""
+        return self._losses
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs to go on bit for bit."""
@@ -255,4 +275,4 @@ class Cloth:
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``; raises ValueError when names or shapes differ."""
         self._memory = Memory.restored(saved, self._memory)
-        self._kin, self._accepted_b = None, 0.0
+        self._kin, self._losses = None, SheetLosses()

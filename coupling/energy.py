@@ -33,9 +33,9 @@ class Instant:
 
     ``acceleration`` (3,) [m/s^2] of the tank, which works over the step that ends here (a motion's
     ``working_acceleration``); ``moment`` (2, 3) [kg m], mass times place of liquid
-    and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; powers [W] that are taken from the
-    sheet by ``bending_damping`` and ``drag``, means over the step that ends here, and ``layer``,
-    what laminar boundary layers would take.
+    and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; powers [W] that the sheet loses
+    by ``bending_damping``, ``drag``, the rubber's ``stretch`` and ``friction`` on the shell, means
+    over the step that ends here, and ``layer``, what laminar boundary layers would take.
     """
 
     acceleration: Array
@@ -44,6 +44,8 @@ class Instant:
     datum: float
     bending_damping: float = 0.0
     drag: float = 0.0
+    stretch: float = 0.0
+    friction: float = 0.0
     layer: float = 0.0
 
 
@@ -60,7 +62,8 @@ class Stored:
         return self.flow + self.sheet.kinetic + self.sheet.bending + self.sheet.stretch
 
 
-_SUMS = ("tank_work", "datum_work", "pressure_work", "bending_damping", "drag", "layer")
+_LOSSES = ("bending_damping", "drag", "stretch", "friction")  # of an instant: means over its step
+_SUMS = ("tank_work", "datum_work", "pressure_work", *_LOSSES, "layer")
 
 
 class EnergyBalance:
@@ -84,7 +87,7 @@ class EnergyBalance:
         swept = instant.volume - before.volume
         sums["datum_work"] += 0.5 * (before.datum + instant.datum) * swept
         sums["layer"] += 0.5 * dt * (before.layer + instant.layer)
-        for name in ("bending_damping", "drag"):  # means over the step already
+        for name in _LOSSES:
             sums[name] += dt * getattr(instant, name)
 
     def metrics(self, stored: Stored) -> dict[str, float]:
@@ -92,9 +95,11 @@ class EnergyBalance:
 
         ``mechanical_energy`` is all that is stored. ``dissipated`` closes the balance;
         ``dissipated_by_liquid`` is the flow's share, ``dissipated_by_bending`` and
-        ``dissipated_by_drag`` what the sheet's damping takes. What is left of it is lost where the
-        sheet snaps taut, meets the shell or itself and comes to rest against it, and in the time
-        stepping. ``layer_estimate`` is an estimate beside the balance, see ``layer_factor``.
+        ``dissipated_by_drag`` what the sheet's regularisations take, ``dissipated_by_stretch`` and
+        ``dissipated_by_friction`` what its rubber loses and rubs off on the shell. What is left of
+        it is lost where the sheet snaps taut, meets the shell or itself and comes to rest against
+        it, and in the time stepping. ``layer_estimate`` is an estimate beside the balance, see
+        ``layer_factor``.
         """
         first, sheet, sums = self._first_stored, stored.sheet, self._sums
         lifted = -(self._now.moment - self._first_moment) @ self.gravity
@@ -113,6 +118,8 @@ class EnergyBalance:
             "dissipated_by_liquid": first.flow - stored.flow - sums["pressure_work"],
             "dissipated_by_bending": sums["bending_damping"],
             "dissipated_by_drag": sums["drag"],
+            "dissipated_by_stretch": sums["stretch"],
+            "dissipated_by_friction": sums["friction"],
             "layer_estimate": sums["layer"],
         }
 
@@ -128,10 +135,10 @@ class EnergyBalance:
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``. Raises ``RunFailed`` for what an older version has saved."""
-        if "sums" not in saved:
+        if len(saved.get("sums", ())) != len(_SUMS):
             raise RunFailed(
-                "checkpoint.h5 holds no energy balance: an older version wrote it. Run the scene "
-                "again with this one."
+                "checkpoint.h5 holds no such energy balance: an older version wrote it. Run the "
+                "scene again with this one."
             )
         self._sums = dict(zip(_SUMS, saved["sums"].tolist(), strict=True))
         flow, *sheet = saved["first_stored"].tolist()
@@ -168,6 +175,8 @@ def instant_of(
         datum=state.datum_pressure,
         bending_damping=losses.bending,
         drag=losses.drag,
+        stretch=losses.stretch,
+        friction=losses.friction,
         layer=0.0 if liquid is None else layer_factor(scene) * liquid.wall_slip,
     )
 

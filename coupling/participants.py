@@ -10,7 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
-from cloth.energy import SheetLosses
+from cloth.energy import SheetLosses, mean_losses
 from cloth.mesh import rest_gradients
 from coupling.convergence import Convergence
 from coupling.coupled_step import CoupledStep
@@ -163,11 +163,7 @@ class Participants:
 
     def _losses(self) -> SheetLosses:
         """Means over the last step."""
-        length = sum(dt for dt, _, _ in self._parts) or 1.0
-        return SheetLosses(
-            bending=sum(dt * losses.bending for dt, losses, _ in self._parts) / length,
-            drag=sum(dt * losses.drag for dt, losses, _ in self._parts) / length,
-        )
+        return mean_losses([(dt, losses) for dt, losses, _ in self._parts])
 
     def _coupled(
         self, step: CoupledStep, after: float, parts: int

@@ -43,7 +43,7 @@ METRIC_UNITS = {
             "sheet_potential_energy", "sheet_kinetic_energy", "bending_energy", "stretch_energy",
             "mechanical_energy", "tank_work", "datum_work", "pressure_work", "dissipated",
             "dissipated_by_liquid", "dissipated_by_bending", "dissipated_by_drag",
-            "layer_estimate",
+            "dissipated_by_stretch", "dissipated_by_friction", "layer_estimate",
         ),
         "J",
     ),

@@ -7,6 +7,7 @@ that exists is valid, its tables included.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
@@ -70,6 +71,13 @@ class Scene(Section):
         """Of a sinusoidal motion [s]; None for any other."""
         frequency = self.motion.frequency
         return 1.0 / frequency if self.motion.kind == "sine" and frequency else None
+
+    @property
+    def loss_time(self) -> float:
+        """Time tau [s] of the rubber's loss, eta/(2 pi f) of ``cloth.viscous``."""
+        rubber = self.diaphragm
+        frequency = rubber.loss_frequency or 1.0 / (self.period or math.inf)
+        return rubber.loss_factor / (2.0 * math.pi * frequency) if frequency else 0.0
 
     @model_validator(mode="before")
     @classmethod

@@ -31,6 +31,7 @@ def problems_between(scene: Scene) -> list[str]:
         *_check_gravity(scene),
         *_check_cells(scene),
         *_check_grid(scene),
+        *_check_losses(scene),
         *_check_wrinkling(scene),
         *_check_motion(scene),
         *_check_time(scene),
@@ -113,6 +114,30 @@ def _check_grid(scene: Scene) -> list[str]:
         problems.append(
             f'cloth.wrinkling: does not apply to cloth.grid = "thesis", got '
             f'"{scene.cloth.wrinkling}". Leave it out, or take cloth.grid = "rings".'
+        )
+    return problems
+
+
+def _check_losses(scene: Scene) -> list[str]:
+    """What the rubber's loss is of, and at which frequency."""
+    rubber, problems = scene.diaphragm, []
+    if rubber.friction_shell > 0.0 and scene.cloth.grid == "thesis":
+        problems.append(
+            'diaphragm.friction_shell: does not apply to cloth.grid = "thesis", got '
+            f'{rubber.friction_shell:g}. Leave it out, or take cloth.grid = "rings".'
+        )
+    if rubber.loss_factor == 0.0:
+        return problems
+    if rubber.inextensible:
+        problems.append(
+            f"diaphragm.loss_factor: is of the rubber's own stretch, got {rubber.loss_factor:g} "
+            "with inextensible = true, whose stretch is numerical and tends to nothing. Give "
+            "diaphragm.inextensible = false, or leave it out."
+        )
+    if rubber.loss_frequency is None and scene.period is None:
+        problems.append(
+            "diaphragm.loss_frequency: is required for a loss_factor without a sine, got none. "
+            f"Give the {type(rubber).model_fields['loss_frequency'].description}."
         )
     return problems
 

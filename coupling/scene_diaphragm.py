@@ -104,6 +104,21 @@ class Diaphragm(Section):
         default="hinged",
         description='support at the equator: "hinged" or "clamped" (the moulded slope is held)',
     )
+    loss_factor: float = Field(
+        default=0.0,
+        ge=0,
+        le=2,
+        description="loss factor of the rubber's stretch, tan delta at loss_frequency; needs "
+        "inextensible = false",
+    )
+    loss_frequency: float | None = Field(
+        default=None,
+        gt=0,
+        description="frequency [Hz] of loss_factor, a sine's own if left out",
+    )
+    friction_shell: float = Field(
+        default=0.0, ge=0, le=5, description="Coulomb coefficient of friction on the shell"
+    )
     held: bool = Field(
         default=False, description="value true to hold the settled shape (rigid-body limit)"
     )

@@ -102,6 +102,8 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
             iterations=cloth.iterations,
             bending_damping=cloth.fold_damping * swing,
             drag=cloth.slack_drag / swing,
+            stretch_damping=scene.loss_time,
+            friction=scene.diaphragm.friction_shell,
         ),
     )
 

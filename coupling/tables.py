@@ -74,6 +74,12 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("work done a period [J]", period.get("work_J")),
         ("dissipated a period [J]", period.get("dissipated_J")),
         ("... over the peak energy", period.get("fraction")),
+        ("... by the liquid [J]", period.get("liquid_J")),
+        ("... by the rubber's stretch [J]", period.get("stretch_loss_J")),
+        ("... by friction on the shell [J]", period.get("shell_friction_J")),
+        ("... by fold_damping, a regularisation [J]", period.get("bending_damping_J")),
+        ("... by slack_drag, a regularisation [J]", period.get("drag_J")),
+        ("... by impacts and the time step [J]", period.get("rest_J")),
         ("wall time [s]", summary.get("wall_s")),
         ("results", str(folder)),
     ]

@@ -11,18 +11,21 @@ from coupling.results import Results
 
 SHARES = {
     "liquid_J": "dissipated_by_liquid",
+    "stretch_loss_J": "dissipated_by_stretch",
+    "shell_friction_J": "dissipated_by_friction",
     "bending_damping_J": "dissipated_by_bending",
     "drag_J": "dissipated_by_drag",
 }
+REGULARISATIONS = ("bending_damping_J", "drag_J")  # stand for no loss of the rubber's
 
 
 def rest(metrics: dict[str, Array]) -> Array:
-    """What of ``dissipated`` (T,) [J] neither the liquid nor the sheet's damping took.
+    """What of ``dissipated`` (T,) [J] neither the liquid nor a named loss of the sheet took.
 
     The sheet's impacts on the shell, on itself and where it snaps taut, and its time stepping.
     Negative where those make energy.
     """
-    known = sum((metrics[name] for name in SHARES.values()), np.zeros(1))
+    known = sum((metrics[name] for name in SHARES.values() if name in metrics), np.zeros(1))
     return np.asarray(metrics["dissipated"] - known)
 
 
@@ -31,9 +34,11 @@ def energy_summary(results: Results, frequency: float | None, periods: int) -> d
 
     ``work_J`` and ``dissipated_J`` since the start; ``peak_J``: the largest mechanical energy above
     the start's, of liquid and sheet. ``per_period``: means over the last ``periods`` of
-    ``frequency`` [Hz], ``fraction`` what is dissipated over the largest energy in them; None
-    without a period. ``removed_J`` stands within ``liquid_J``, None where nothing is removed by
-    rule; ``wall_layer_estimate_J`` stands beside the balance. Null without a balance.
+    ``frequency`` [Hz], ``fraction`` what is dissipated over the largest energy in them,
+    ``regularised_fraction`` what of it ``cloth.fold_damping`` and ``cloth.slack_drag`` take, None
+    where nothing is dissipated; None without a period. ``removed_J`` stands within ``liquid_J``,
+    None where nothing is removed by rule; ``wall_layer_estimate_J`` stands beside the balance.
+    Null without a balance.
     """
     metrics = results.metrics
     if "dissipated" not in metrics or len(results.time) == 0:
@@ -59,12 +64,15 @@ def _per_period(results: Results, work: Array, frequency: float, periods: int) -
     peak = float(metrics["mechanical_energy"][time >= start].max())
     dissipated, removed = a_period(metrics["dissipated"]), metrics.get("energy_removed")
     layer = a_period(metrics["layer_estimate"])
+    shares = {name: a_period(metrics[key]) for name, key in SHARES.items() if key in metrics}
+    regularised = sum(shares[name] for name in REGULARISATIONS)
     return {
         "work_J": a_period(work),
         "dissipated_J": dissipated,
         "fraction": dissipated / peak if peak > 0.0 else None,
         "peak_J": peak,
-        **{name: a_period(metrics[key]) for name, key in SHARES.items()},
+        "regularised_fraction": regularised / dissipated if dissipated > 0.0 else None,
+        **shares,
         "rest_J": a_period(rest(metrics)),
         "removed_J": None if removed is None else a_period(removed),
         "wall_layer_estimate_J": layer if layer > 0.0 else None,

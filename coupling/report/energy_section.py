@@ -6,17 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from coupling.metrics.energy import rest
+from coupling.metrics.energy import SHARES, rest
 from coupling.report.files import RunFiles
 from coupling.report.page import Picture, Section, Table, number, percent
 from coupling.report.style import BLUE, GREY, INK, ORANGE, legend_above, new_figure, svg, thinned
 
-PARTS = ("liquid_J", "bending_damping_J", "drag_J", "rest_J")  # add up to the dissipated
+PARTS = (*SHARES, "rest_J")  # add up to the dissipated
 _ROWS = {
     "liquid_J": "… by the liquid",
     "removed_J": "… … of it taken out by the rule against made energy",
-    "bending_damping_J": "… by the damping of the sheet’s bending",
-    "drag_J": "… by the sheet’s tangential drag",
+    "stretch_loss_J": "… by the rubber’s own loss as it stretches (loss_factor)",
+    "shell_friction_J": "… by friction on the shell (friction_shell)",
+    "bending_damping_J": "… by fold_damping, a regularisation of the sheet’s bending",
+    "drag_J": "… by slack_drag, a regularisation of its sliding",
     "rest_J": "… by impacts, snapping taut and the time step",
 }
 
@@ -56,7 +58,7 @@ def energy_table(run: RunFiles) -> Table:
     rows += [
         [text, number(period[name], "J"), percent(period[name] / lost) if shared else ""]
         for name, text in _ROWS.items()
-        if period[name] is not None
+        if period.get(name) is not None
     ]
     head = ["A period", "", "of the dissipated" if shared else ""]
     return Table(head=head, rows=rows, note=_note(run))
@@ -74,7 +76,7 @@ def _of_stored(fraction: float | None) -> str:
 def _has_shares(period: dict[str, Any]) -> bool:
     """Whether the parts of what is dissipated are parts of it: none of them makes energy."""
     removed = period["removed_J"] or 0.0
-    parts = (*(period[name] for name in PARTS), removed, period["liquid_J"] - removed)
+    parts = (*(period.get(name, 0.0) for name in PARTS), removed, period["liquid_J"] - removed)
     return bool(period["dissipated_J"] > 0.0 and min(parts) >= 0.0)
 
 
@@ -83,7 +85,7 @@ def _note(run: RunFiles) -> str:
     layer = period["wall_layer_estimate_J"]
     text = ""
     if not _has_shares(period):
-        largest = max(abs(period[name]) for name in PARTS)
+        largest = max(abs(period.get(name, 0.0)) for name in PARTS)
         text = (
             "What is negative makes energy, so that the parts are no shares of the whole: up to "
             f"{number(largest, 'J', 2)} of losses and gains cancel in it. "
@@ -126,11 +128,14 @@ def _lost(run: RunFiles) -> Picture:
     axes = figure.subplots()
     work = metrics["tank_work"] + metrics["datum_work"]
     damped = metrics["dissipated_by_bending"] + metrics["dissipated_by_drag"]
+    names = [name for name in ("stretch", "friction") if f"dissipated_by_{name}" in metrics]
+    own = sum((metrics[f"dissipated_by_{name}"] for name in names), np.zeros(len(time)))
     curves = (
         ("work", work, GREY, "-"),
         ("dissipated", metrics["dissipated"], INK, "-"),
         ("liquid", metrics["dissipated_by_liquid"], BLUE, "--"),
-        ("damping", damped, ORANGE, "-."),
+        ("rubber", own, ORANGE, "-"),
+        ("regularisation", damped, ORANGE, "-."),
         ("rest", np.asarray(rest(metrics)), GREY, ":"),
     )
     for label, values, colour, line in curves:
@@ -138,7 +143,8 @@ def _lost(run: RunFiles) -> Picture:
     axes.set(xlabel="time (s)", ylabel="since the start (J)")
     legend_above(axes, columns=3)
     text = (
-        "Work of the tank and what was dissipated, and by what: the liquid, the diaphragm’s "
-        "damping, and the rest (impacts, snapping taut, time step)."
+        "Work of the tank and what was dissipated, and by what: the liquid, the diaphragm’s own "
+        "loss and friction, its regularisations (fold_damping, slack_drag), and the rest (impacts, "
+        "snapping taut, time step)."
     )
     return Picture(source=svg(figure), caption=text, alt=text)

@@ -30,19 +30,21 @@ def crumpled(mesh: Mesh) -> np.ndarray:
     ("tensile", "compressive"), [(40.0, 0.0), (1e4, 10.0), (40.0, 5.0), (40.0, 40.0)]
 )
 @pytest.mark.parametrize("poisson", [0.0, 0.5])
-def test_triangle_step(mesh, crumpled, tensile, compressive, poisson):
+@pytest.mark.parametrize("strained", [False, True])
+def test_triangle_step(mesh, crumpled, tensile, compressive, poisson, strained):
     rng = np.random.default_rng(4)
     gradients, areas = rest_gradients(mesh.points, mesh.triangles)
     tensile, compressive = np.full(len(areas), tensile), np.full(len(areas), compressive)
     penalty = rng.uniform(50.0, 100.0, len(areas))
     slope = np.array([100.0, -30.0, -9810.0])
     z0, u0 = rng.normal(size=(2, len(areas), 3, 2)) * 0.1
+    rest = rng.normal(size=(len(areas) if strained else 0, 3)) * 0.05
     answers = []
     for module in (reference, kernels):
         z, u, rhs, gradient = z0.copy(), u0.copy(), np.zeros_like(crumpled), np.empty_like(crumpled)
         cone = module.triangle_step(
             crumpled, mesh.triangles, gradients, areas, penalty, 1.4, tensile, compressive,
-            poisson, z, u, 700.0, slope, ~mesh.fixed, gradient, rhs,
+            poisson, rest, z, u, 700.0, slope, ~mesh.fixed, gradient, rhs,
         )  # fmt: skip
         answers.append((z, u, rhs, gradient, np.array(cone)))
     for wanted, got in zip(*answers, strict=True):
@@ -56,7 +58,7 @@ def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
     one = np.ones(len(areas))
     kernels.triangle_step(
         1.5 * mesh.points, mesh.triangles, gradients, areas, one, 1.0, 1e15 * one, 0.0 * one, 0.5,
-        z, u, 0.0, np.zeros(3), ~mesh.fixed, gradient, rhs,
+        np.empty((0, 3)), z, u, 0.0, np.zeros(3), ~mesh.fixed, gradient, rhs,
     )  # fmt: skip
     np.testing.assert_allclose(np.linalg.svd(z, compute_uv=False), 1.0, atol=1e-12)
     np.testing.assert_allclose(u, 0.5 * z, atol=1e-12)
@@ -82,7 +84,8 @@ def test_volume_and_gradient(mesh, crumpled):
         np.testing.assert_allclose(got, wanted, atol=ROUNDING * np.abs(wanted).max())
 
 
-def test_node_step(mesh, crumpled):
+@pytest.mark.parametrize("friction", [0.0, 0.3, 5.0])
+def test_node_step(mesh, crumpled, friction):
     """Contact, bending's moulded part and the drag's normal part, one after the other."""
     rng = np.random.default_rng(5)
     n = len(crumpled)
@@ -93,18 +96,22 @@ def test_node_step(mesh, crumpled):
     gradient[3] = 0.0  # a node without a normal
     z0, u0 = rng.normal(size=(2, *crumpled.shape)) * 0.1
     z, u, wanted = z0.copy(), u0.copy(), np.zeros_like(crumpled)
-    reference.contact_step(crumpled, limit, weight, 1.3, z, u, wanted)
+    start = crumpled + 0.05 * rng.normal(size=crumpled.shape)
+    rub, rubbed = np.ones((2, *crumpled.shape))
+    reference.contact_step(crumpled, limit, weight, 1.3, friction, start, z, u, rubbed, wanted)
     reference.bending_rest_step(
         gradient, bent.starts, bent.columns, bent.values, bent.moment, wanted
     )
     reference.normal_drag_step(crumpled, mesh.points, gradient, drag, wanted)
     got = np.zeros_like(crumpled)
     node_kernels.node_step(
-        crumpled, limit, weight, 1.3, z0, u0, gradient,
+        crumpled, limit, weight, 1.3, friction, start, z0, u0, rub, gradient,
         bent.starts, bent.columns, bent.values, bent.moment, mesh.points, drag, got,
     )  # fmt: skip
     for right, answer in ((z, z0), (u, u0), (wanted, got)):
         np.testing.assert_allclose(answer, right, atol=ROUNDING * np.abs(right).max())
+    np.testing.assert_allclose(rub, rubbed, atol=ROUNDING)
+    assert np.any(rubbed) == (friction > 0.0)
 
 
 @pytest.mark.parametrize("rank", [0, 1, 7, 40])

@@ -187,6 +187,28 @@ def test_a_held_diaphragm_neither_works_nor_dissipates(tmp_path, fluid: str):
         assert np.abs(metrics[name]).max() < 1e-20, name  # a still liquid's rounding, squared
 
 
+def test_loss_time_is_that_of_its_frequency_or_of_the_sine_s():
+    rubber = {"inextensible": False, "loss_factor": 0.15}
+    assert tank(diaphragm=rubber).loss_time == pytest.approx(0.15 / (2.0 * np.pi * 1.25))
+    given = tank(diaphragm=rubber | {"loss_frequency": 10.0}, motion={"kind": "rest"})
+    assert given.loss_time == pytest.approx(0.15 / (2.0 * np.pi * 10.0))
+    assert tank().loss_time == 0.0
+
+
+def test_the_rubber_s_own_losses_are_summed_by_name(tmp_path):
+    """What nothing takes is none; a part of them is not what closes the balance."""
+    ends = []
+    own = {"inextensible": False, "loss_factor": 0.15, "friction_shell": 0.3}
+    for name, rubber in (("without", {"inextensible": False}), ("with", own)):
+        run(tank(diaphragm=rubber, time={"duration": 0.4}), tmp_path / name)
+        metrics = read_results(tmp_path / name).metrics
+        ends.append({name: values[-1] for name, values in metrics.items()})
+    without, taken = ends
+    assert without["dissipated_by_stretch"] == without["dissipated_by_friction"] == 0.0
+    for name in ("dissipated_by_stretch", "dissipated_by_friction"):
+        assert 0.0 < taken[name] < taken["dissipated"]
+
+
 def test_output_every_changes_no_sum(tmp_path):
     """Every step is summed, whatever is written out."""
     ends = []

@@ -59,10 +59,29 @@ def test_parts_that_cancel_are_no_shares_of_what_is_dissipated(tmp_path: Path) -
     assert section is not None
     table = section.tables[0]
     rows = {row[0]: row[1:] for row in table.rows}
-    assert rows["… by the damping of the sheet’s bending"] == ["10\u202fJ", ""]
+    assert rows["… by fold_damping, a regularisation of the sheet’s bending"] == ["10\u202fJ", ""]
     assert rows["… by impacts, snapping taut and the time step"] == ["−16\u202fJ", ""]
     assert "no shares" in table.note
     assert not any("%" in row[2] for row in table.rows[3:])
+
+
+def test_the_rubber_s_own_losses_stand_by_name_beside_the_regularisations(tmp_path: Path) -> None:
+    """Of 20 J a period, 11 of them by fold_damping and slack_drag."""
+    own = ENERGIES | {
+        "dissipated_by_stretch": lambda t: 2.0 * t * run.FREQUENCY,
+        "dissipated_by_friction": lambda t: 1.0 * t * run.FREQUENCY,
+    }
+    whole_run(tmp_path, metrics=own)
+    files = read_run(tmp_path)
+    period = files.summary["energy"]["per_period"]
+    assert period["regularised_fraction"] == pytest.approx(11.0 / 20.0)
+    assert period["rest_J"] == pytest.approx(1.0)
+    section = energy_section(files)
+    assert section is not None
+    rows = {row[0]: row[1:] for row in section.tables[0].rows}
+    assert rows["… by the rubber’s own loss as it stretches (loss_factor)"][0] == "2\u202fJ"
+    assert rows["… by friction on the shell (friction_shell)"] == ["1\u202fJ", "5.0\u202f%"]
+    assert rows["… by slack_drag, a regularisation of its sliding"][0] == "1\u202fJ"
 
 
 def test_a_run_without_a_step_does_not_claim_simulated_time(tmp_path: Path) -> None:

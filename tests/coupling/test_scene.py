@@ -222,6 +222,8 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("gravity=[9.81,0,0]", "its z component must be negative"),
         ("diaphragm.held=1", "must be true or false, got 1"),
         ("diaphragm.inextensible=no", 'must be true or false, got "no"'),
+        ("diaphragm.loss_factor=0.1", "inextensible = true, whose stretch is numerical"),
+        ("diaphragm.friction_shell=-0.1", "must lie in [0, 5], got -0.1"),
         ("diaphragm.poisson_ratio=0.7", "must lie in [0, 0.5], got 0.7"),
         ("diaphragm.thickness=0.03", "must be below 0.05 radii (0.02223 m), got 0.03"),
         ("diaphragm.material=teflon", '"teflon" is not a built-in elastomer'),
@@ -284,6 +286,20 @@ def test_the_thesis_grid_does_not_stretch(folder: Path):
         folder, "cloth.grid=thesis", "model.fluid=datum", "diaphragm.inextensible=false"
     )
     assert 'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false.' in line
+
+
+def test_a_loss_factor_without_a_sine_needs_its_frequency(folder: Path):
+    lossy = ["diaphragm.inextensible=false", "diaphragm.loss_factor=0.15", "motion.kind=rest"]
+    (line,) = problems(folder, *lossy)
+    assert "diaphragm.loss_frequency: is required" in line
+    assert "Give the frequency [Hz] of loss_factor" in line
+    assert load_scene(folder, [*lossy, "diaphragm.loss_frequency=2"]).loss_time > 0.0
+
+
+def test_the_thesis_grid_knows_no_friction(folder: Path):
+    thesis = ["cloth.grid=thesis", "model.fluid=datum", "diaphragm.friction_shell=0.3"]
+    (line,) = problems(folder, *thesis)
+    assert 'diaphragm.friction_shell: does not apply to cloth.grid = "thesis", got 0.3.' in line
 
 
 def test_wrinkles_are_resolved_by_ten_cells_a_wavelength(folder: Path):
