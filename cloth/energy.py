@@ -31,13 +31,14 @@ class SheetLosses:
     """Powers [W] that a sheet loses, means over the last step.
 
     By the damping of its ``bending`` and the ``drag`` along it, regularisations both; by the
-    rubber's own loss, of its ``stretch``; by ``friction`` on the shell.
+    rubber's own loss, of its ``stretch``; by ``shell_friction`` and ``self_friction``.
     """
 
     bending: float = 0.0
     drag: float = 0.0
     stretch: float = 0.0
-    friction: float = 0.0
+    shell_friction: float = 0.0
+    self_friction: float = 0.0
 
 
 def mean_losses(parts: Sequence[tuple[float, SheetLosses]]) -> SheetLosses:

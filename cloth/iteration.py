@@ -58,15 +58,16 @@ class Solution:
     """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
 
     ``change`` [m] is the rms displacement that further iterations would add, as estimated.
-    ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell; ``contact``: of the sheet
-    with itself; ``planes``: what kept it apart in the iteration; ``converged``: the tolerance is
-    met, the volume kept, and no part crosses another.
+    ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell, ``self_rub`` on itself;
+    ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
+    ``converged``: the tolerance is met, the volume kept, and no part crosses another.
     """
 
     position: Array
     tension: Array
     contact_force: Array
     rub: Array
+    self_rub: Array
     datum: float
     volume: float
     strain: Array
@@ -124,7 +125,7 @@ class Iteration:
         self.zc = np.where(model.mesh.fixed[:, None], model.clamped, 0.0)
         self.uc = p.contact_force / np.where(self.weight > 0.0, self.weight, 1.0)[:, None]
         self.gradient, self.response = np.zeros_like(self.x), np.zeros_like(self.x)
-        self.rub = np.zeros_like(self.x)
+        self.rub, self.self_rub = np.zeros_like(self.x), np.zeros_like(self.x)
         self.slope = p.load.density * p.load.body_force
         self.datum = p.datum if p.load.datum is None else p.load.datum
         self.done = 0
@@ -141,13 +142,16 @@ class Iteration:
             self.datum, self.slope, model.free, gradient, rhs,
         )  # fmt: skip
         node_kernels.node_step(
-            self.x, p.limit, self.weight, r, p.settings.friction, p.committed,
+            self.x, p.limit, self.weight, r, p.settings.shell_friction, p.committed,
             self.zc, self.uc, self.rub,
             gradient, bent.starts, bent.columns, bent.values, self.moment,
             p.kin.position_anchor, self.drag, rhs,
         )  # fmt: skip
         if self.planes is not None:
-            self.planes.step(model.mobility, p.limit, self.weight, self.zc, self.uc, rhs)
+            self.planes.step(
+                model.mobility, p.limit, self.weight, p.settings.self_friction, p.committed,
+                self.zc, self.uc, self.self_rub, rhs,
+            )  # fmt: skip
         x = p.system.solve(rhs)
         x[model.mesh.fixed] = model.clamped[model.mesh.fixed]
         if p.load.volume is not None:
@@ -193,6 +197,7 @@ class Iteration:
             x = clamp_to_shell(self.x, p.limit)
             contact = model.self_contact.resolve(p.committed, x, p.limit)
             self.planes = contact.planes() if len(contact.pairs) else None
+            self.self_rub[:] = 0.0
 
     def finish(self) -> Solution:
         """The iterate made admissible: see ``cloth.ending``.
@@ -221,6 +226,7 @@ class Iteration:
             tension=self.u * self.penalty[:, None, None],
             contact_force=self.uc * self.weight[:, None],
             rub=self.rub,
+            self_rub=self.self_rub,
             datum=self.datum,
             volume=end.volume,
             strain=end.strain,
@@ -254,9 +260,11 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
         while run.done < first.iterations or (run.done < most and not run.near_enough):
             run.advance()
         return run.finish()
-    while run.done < most and not run.near_enough:
-        if near and run.planes is None and run.done >= CONTACT_AFTER:
+    rubs = problem.model.self_contact is not None and problem.settings.self_friction > 0.0
+    while run.done < most and not (run.near_enough and not rubs):
+        if (near or rubs) and run.planes is None and run.done >= CONTACT_AFTER:
             run.look()
+            rubs = False
         run.advance()
     if run.near_enough:
         for _ in range(round(MARGIN * run.done)):

@@ -44,8 +44,8 @@ class Settings:
     otherwise bounds it. ``penalty`` k [N/m] of the stretch, None for ``penalty_of`` the step;
     ``shell_weight`` [-]: the shell's penalty at a node of mean mass, over k; ``relaxation`` r [-],
     1 to 1.85. ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on the tangential velocity
-    alone, per cloth mass. ``stretch_damping`` tau [s] of ``cloth.viscous``; ``friction`` [-],
-    Coulomb's coefficient on the shell.
+    alone, per cloth mass. ``stretch_damping`` tau [s] of ``cloth.viscous``; ``shell_friction``
+    and ``self_friction`` [-], Coulomb's coefficients on the shell and on itself.
     """
 
     tolerance: float = 1e-5
@@ -56,7 +56,8 @@ class Settings:
     bending_damping: float = 1.0
     drag: float = 100.0
     stretch_damping: float = 0.0
-    friction: float = 0.0
+    shell_friction: float = 0.0
+    self_friction: float = 0.0
 
 
 def penalty_of(load: Load, *, size: float, inertia: float) -> float:

@@ -226,7 +226,8 @@ class Cloth:
         self._losses = replace(
             sheet_losses(self.model, settings, self._memory, kin.b),
             stretch=stretch_loss(self.model, settings.stretch_damping, strained, slack, self._dt),
-            friction=float(np.vdot(s.rub, s.position - m.position)) / self._dt,
+            shell_friction=float(np.vdot(s.rub, s.position - m.position)) / self._dt,
+            self_friction=float(np.vdot(s.self_rub, s.position - m.position)) / self._dt,
         )
         self._kin = None
 

@@ -34,8 +34,9 @@ class Instant:
     ``acceleration`` (3,) [m/s^2] of the tank, which works over the step that ends here (a motion's
     ``working_acceleration``); ``moment`` (2, 3) [kg m], mass times place of liquid
     and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; powers [W] that the sheet loses
-    by ``bending_damping``, ``drag``, the rubber's ``stretch`` and ``friction`` on the shell, means
-    over the step that ends here, and ``layer``, what laminar boundary layers would take.
+    by ``bending_damping``, ``drag``, the rubber's ``stretch``, ``shell_friction`` and
+    ``self_friction``, means over the step that ends here, and ``layer``, what laminar boundary
+    layers would take.
     """
 
     acceleration: Array
@@ -45,7 +46,8 @@ class Instant:
     bending_damping: float = 0.0
     drag: float = 0.0
     stretch: float = 0.0
-    friction: float = 0.0
+    shell_friction: float = 0.0
+    self_friction: float = 0.0
     layer: float = 0.0
 
 
@@ -62,7 +64,8 @@ class Stored:
         return self.flow + self.sheet.kinetic + self.sheet.bending + self.sheet.stretch
 
 
-_LOSSES = ("bending_damping", "drag", "stretch", "friction")  # of an instant: means over its step
+# Of an instant: means over the step before.
+_LOSSES = ("bending_damping", "drag", "stretch", "shell_friction", "self_friction")
 _SUMS = ("tank_work", "datum_work", "pressure_work", *_LOSSES, "layer")
 
 
@@ -95,11 +98,11 @@ class EnergyBalance:
 
         ``mechanical_energy`` is all that is stored. ``dissipated`` closes the balance;
         ``dissipated_by_liquid`` is the flow's share, ``dissipated_by_bending`` and
-        ``dissipated_by_drag`` what the sheet's regularisations take, ``dissipated_by_stretch`` and
-        ``dissipated_by_friction`` what its rubber loses and rubs off on the shell. What is left of
-        it is lost where the sheet snaps taut, meets the shell or itself and comes to rest against
-        it, and in the time stepping. ``layer_estimate`` is an estimate beside the balance, see
-        ``layer_factor``.
+        ``dissipated_by_drag`` what the sheet's regularisations take, ``dissipated_by_stretch``
+        what its rubber loses, ``dissipated_by_shell_friction`` and ``dissipated_by_self_friction``
+        what it loses as it slides. What is left of it is lost where the sheet snaps taut, meets the
+        shell or itself and comes to rest against it, and in the time stepping. ``layer_estimate``
+        is an estimate beside the balance, see ``layer_factor``.
         """
         first, sheet, sums = self._first_stored, stored.sheet, self._sums
         lifted = -(self._now.moment - self._first_moment) @ self.gravity
@@ -119,7 +122,8 @@ class EnergyBalance:
             "dissipated_by_bending": sums["bending_damping"],
             "dissipated_by_drag": sums["drag"],
             "dissipated_by_stretch": sums["stretch"],
-            "dissipated_by_friction": sums["friction"],
+            "dissipated_by_shell_friction": sums["shell_friction"],
+            "dissipated_by_self_friction": sums["self_friction"],
             "layer_estimate": sums["layer"],
         }
 
@@ -176,7 +180,8 @@ def instant_of(
         bending_damping=losses.bending,
         drag=losses.drag,
         stretch=losses.stretch,
-        friction=losses.friction,
+        shell_friction=losses.shell_friction,
+        self_friction=losses.self_friction,
         layer=0.0 if liquid is None else layer_factor(scene) * liquid.wall_slip,
     )
 

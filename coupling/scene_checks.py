@@ -121,11 +121,13 @@ def _check_grid(scene: Scene) -> list[str]:
 def _check_losses(scene: Scene) -> list[str]:
     """What the rubber's loss is of, and at which frequency."""
     rubber, problems = scene.diaphragm, []
-    if rubber.friction_shell > 0.0 and scene.cloth.grid == "thesis":
-        problems.append(
-            'diaphragm.friction_shell: does not apply to cloth.grid = "thesis", got '
-            f'{rubber.friction_shell:g}. Leave it out, or take cloth.grid = "rings".'
-        )
+    for key in ("friction_shell", "friction_self"):
+        value = getattr(rubber, key)
+        if value > 0.0 and scene.cloth.grid == "thesis":
+            problems.append(
+                f'diaphragm.{key}: does not apply to cloth.grid = "thesis", got {value:g}. '
+                'Leave it out, or take cloth.grid = "rings".'
+            )
     if rubber.loss_factor == 0.0:
         return problems
     if rubber.inextensible:

@@ -119,6 +119,9 @@ class Diaphragm(Section):
     friction_shell: float = Field(
         default=0.0, ge=0, le=5, description="Coulomb coefficient of friction on the shell"
     )
+    friction_self: float = Field(
+        default=0.0, ge=0, le=5, description="Coulomb coefficient of friction on itself"
+    )
     held: bool = Field(
         default=False, description="value true to hold the settled shape (rigid-body limit)"
     )

@@ -103,7 +103,8 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
             bending_damping=cloth.fold_damping * swing,
             drag=cloth.slack_drag / swing,
             stretch_damping=scene.loss_time,
-            friction=scene.diaphragm.friction_shell,
+            shell_friction=scene.diaphragm.friction_shell,
+            self_friction=scene.diaphragm.friction_self,
         ),
     )
 

@@ -77,6 +77,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("... by the liquid [J]", period.get("liquid_J")),
         ("... by the rubber's stretch [J]", period.get("stretch_loss_J")),
         ("... by friction on the shell [J]", period.get("shell_friction_J")),
+        ("... by friction on itself [J]", period.get("self_friction_J")),
         ("... by fold_damping, a regularisation [J]", period.get("bending_damping_J")),
         ("... by slack_drag, a regularisation [J]", period.get("drag_J")),
         ("... by impacts and the time step [J]", period.get("rest_J")),

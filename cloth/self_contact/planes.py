@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
 
@@ -24,13 +26,22 @@ class Planes:
     rest: Array
 
     def step(
-        self, inverse_mass: Array, limit: Array, weight: Array, z: Array, u: Array, rhs: Array
+        self,
+        inverse_mass: Array,
+        limit: Array,
+        weight: Array,
+        friction: float,
+        start: Array,
+        z: Array,
+        u: Array,
+        rub: Array,
+        rhs: Array,
     ) -> None:
         """``plane_step`` with these planes."""
         if len(self.nodes):
             plane_step(
-                self.nodes, self.weights, self.normal, self.rest,
-                inverse_mass, limit, weight, SWEEPS, z, u, rhs,
+                self.nodes, self.weights, self.normal, self.rest, inverse_mass, limit, weight,
+                SWEEPS, friction, start, z, u, rub, rhs,
             )  # fmt: skip
 
 
@@ -43,9 +54,14 @@ def project_planes(
     inverse_mass: Array,
     limit: Array,
     sweeps: int,
+    friction: float,
+    start: Array,
     z: Array,
+    rub: Array,
 ) -> None:
     """See ``cloth.self_contact.reference.project_planes``."""
+    pushed, held = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
+    slip = np.zeros(3)
     for _ in range(sweeps):
         for k in range(len(nodes)):
             gap, total = 0.0, 0.0
@@ -54,20 +70,50 @@ def project_planes(
                 total += inverse_mass[j] * w * w
                 for d in range(3):
                     gap += w * normal[k, d] * z[j, d]
-            if gap >= rest[k] or total <= 0.0:
+            if total <= 0.0:
                 continue
+            if gap < rest[k]:
+                pushed[k] += rest[k] - gap
+                for i in range(4):
+                    j = nodes[k, i]
+                    share = (rest[k] - gap) * inverse_mass[j] * weights[k, i] / total
+                    if share != 0.0:
+                        move_within(limit[j], share, normal[k], z[j])
+            if friction <= 0.0 or pushed[k] <= 0.0:
+                continue
+            along = 0.0
+            for d in range(3):
+                slip[d] = 0.0
+                for i in range(4):
+                    slip[d] += weights[k, i] * (z[nodes[k, i], d] - start[nodes[k, i], d])
+                along += slip[d] * normal[k, d]
+            size = 0.0
+            for d in range(3):
+                slip[d] += held[k, d] - along * normal[k, d]
+                size += slip[d] ** 2
+            share = min(1.0, friction * pushed[k] / max(math.sqrt(size), 1e-300))
+            for d in range(3):
+                slip[d] = share * slip[d] - held[k, d]
+                held[k, d] += slip[d]
             for i in range(4):
                 j = nodes[k, i]
-                share = (rest[k] - gap) * inverse_mass[j] * weights[k, i] / total
-                if share == 0.0:
-                    continue
-                square = 0.0
-                for d in range(3):
-                    z[j, d] += share * normal[k, d]
-                    square += z[j, d] * z[j, d]
-                scale = min(1.0, limit[j] / max(math.sqrt(square), 1e-30))
-                for d in range(3):
-                    z[j, d] *= scale
+                share = -inverse_mass[j] * weights[k, i] / total
+                if share != 0.0:
+                    for d in range(3):
+                        rub[j, d] += share * slip[d]
+                    move_within(limit[j], share, slip, z[j])
+
+
+@compiled
+def move_within(limit: float, share: float, way: Array, place: Array) -> None:
+    """Move ``place`` (3,) [m] by ``share`` of ``way`` (3,), then within ``limit`` of the origin."""
+    square = 0.0
+    for d in range(3):
+        place[d] += share * way[d]
+        square += place[d] * place[d]
+    scale = min(1.0, limit / max(math.sqrt(square), 1e-30))
+    for d in range(3):
+        place[d] *= scale
 
 
 @compiled
@@ -80,16 +126,23 @@ def plane_step(
     limit: Array,
     weight: Array,
     sweeps: int,
+    friction: float,
+    start: Array,
     z: Array,
     u: Array,
+    rub: Array,
     rhs: Array,
 ) -> None:
     """See ``cloth.self_contact.reference.plane_step``."""
     before = z.copy()
-    project_planes(nodes, weights, normal, rest, inverse_mass, limit, sweeps, z)
+    rub[:] = 0.0
+    project_planes(
+        nodes, weights, normal, rest, inverse_mass, limit, sweeps, friction, start, z, rub
+    )
     for i in range(len(z)):
-        if weight[i] > 0.0:
-            for d in range(3):
+        for d in range(3):
+            rub[i, d] *= -weight[i]
+            if weight[i] > 0.0:
                 change = z[i, d] - before[i, d]
                 u[i, d] -= change
                 rhs[i, d] += 2.0 * weight[i] * change

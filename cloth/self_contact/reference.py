@@ -132,22 +132,42 @@ def project_planes(
     inverse_mass: Array,
     limit: Array,
     sweeps: int,
+    friction: float,
+    start: Array,
     z: Array,
+    rub: Array,
 ) -> None:
     """Move ``z`` (n, 3) [m] into the half-spaces one after the other, ``sweeps`` times.
 
     Each by the least change in the metric of the masses: dz_i = (rest - gap) w_i n / m_i over
-    sum_j w_j^2 / m_j; then back within ``limit`` (n,) [m] of the origin.
+    sum_j w_j^2 / m_j; then back within ``limit`` (n,) [m] of the origin. With ``friction`` mu a
+    plane that has pushed by p in all also takes back what its sides slid on each other since
+    ``start`` (n, 3) [m], along the plane, but at most mu p. ``rub`` (n, 3) [m] takes that change.
     """
+    pushed, held = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
+
+    def move(i: Ints, share: Array, way: Array) -> None:
+        z[i] += np.outer(share, way)
+        shrink = np.minimum(1.0, limit[i] / np.maximum(np.linalg.norm(z[i], axis=1), 1e-30))
+        z[i] *= np.where(share != 0.0, shrink, 1.0)[:, None]
+
     for _, k in itertools.product(range(sweeps), range(len(nodes))):
-        i, w = nodes[k], weights[k]
-        lacking = rest[k] - normal[k] @ (w @ z[i])
+        i, w, n = nodes[k], weights[k], normal[k]
         total = inverse_mass[i] @ w**2
-        if lacking > 0.0 and total > 0.0:
-            moves = inverse_mass[i] * w != 0.0
-            z[i] += np.outer(lacking * inverse_mass[i] * w / total, normal[k])
-            shrink = np.minimum(1.0, limit[i] / np.maximum(np.linalg.norm(z[i], axis=1), 1e-30))
-            z[i] *= np.where(moves, shrink, 1.0)[:, None]
+        if total <= 0.0:
+            continue
+        share = inverse_mass[i] * w / total
+        lacking = rest[k] - n @ (w @ z[i])
+        if lacking > 0.0:
+            pushed[k] += lacking
+            move(i, lacking * share, n)
+        if friction > 0.0 and pushed[k] > 0.0:
+            slip = w @ (z[i] - start[i])
+            slip = slip - (n @ slip) * n + held[k]
+            slip *= min(1.0, friction * pushed[k] / max(float(np.linalg.norm(slip)), 1e-300))
+            taken, held[k] = slip - held[k], slip
+            rub[i] -= np.outer(share, taken)
+            move(i, -share, taken)
 
 
 def plane_step(
@@ -159,17 +179,25 @@ def plane_step(
     limit: Array,
     weight: Array,
     sweeps: int,
+    friction: float,
+    start: Array,
     z: Array,
     u: Array,
+    rub: Array,
     rhs: Array,
 ) -> None:
     """Continue ``cloth.reference.contact_step``: its ball, cut by the planes.
 
     With y = z + u as that step left them, z becomes the projection also on the planes, u = y - z,
     and ``rhs`` (n, 3) [N] takes the change of weight (z - u). Nodes of ``weight`` 0 stay out.
+    ``rub`` (n, 3) [N] becomes the friction that each node exerts.
     """
     before = z.copy()
-    project_planes(nodes, weights, normal, rest, inverse_mass, limit, sweeps, z)
+    rub[:] = 0.0
+    project_planes(
+        nodes, weights, normal, rest, inverse_mass, limit, sweeps, friction, start, z, rub
+    )
+    rub *= -weight[:, None]
     change = np.where(weight[:, None] > 0.0, z - before, 0.0)
     u -= change
     rhs += 2.0 * weight[:, None] * change

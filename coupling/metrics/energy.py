@@ -12,7 +12,8 @@ from coupling.results import Results
 SHARES = {
     "liquid_J": "dissipated_by_liquid",
     "stretch_loss_J": "dissipated_by_stretch",
-    "shell_friction_J": "dissipated_by_friction",
+    "shell_friction_J": "dissipated_by_shell_friction",
+    "self_friction_J": "dissipated_by_self_friction",
     "bending_damping_J": "dissipated_by_bending",
     "drag_J": "dissipated_by_drag",
 }

@@ -17,6 +17,7 @@ _ROWS = {
     "removed_J": "… … of it taken out by the rule against made energy",
     "stretch_loss_J": "… by the rubber’s own loss as it stretches (loss_factor)",
     "shell_friction_J": "… by friction on the shell (friction_shell)",
+    "self_friction_J": "… by the sheet’s friction on itself (friction_self)",
     "bending_damping_J": "… by fold_damping, a regularisation of the sheet’s bending",
     "drag_J": "… by slack_drag, a regularisation of its sliding",
     "rest_J": "… by impacts, snapping taut and the time step",
@@ -128,7 +129,11 @@ def _lost(run: RunFiles) -> Picture:
     axes = figure.subplots()
     work = metrics["tank_work"] + metrics["datum_work"]
     damped = metrics["dissipated_by_bending"] + metrics["dissipated_by_drag"]
-    names = [name for name in ("stretch", "friction") if f"dissipated_by_{name}" in metrics]
+    names = [
+        name
+        for name in ("stretch", "shell_friction", "self_friction")
+        if f"dissipated_by_{name}" in metrics
+    ]
     own = sum((metrics[f"dissipated_by_{name}"] for name in names), np.zeros(len(time)))
     curves = (
         ("work", work, GREY, "-"),

@@ -4,9 +4,9 @@ python tests/benchmarks/losses.py [SCENE] [KEY=VALUE,KEY=VALUE ...] runs SCENE
 (foam_cases/pad_sway_coarse) with the `potential` liquid, once as it is and once for every further
 argument, a list of keys to set. It prints: amplitude and phase of the liquid's centre of gravity
 along the sway; joules dissipated over the whole run, its ramp included, and of them the liquid's,
-the stretch's, the shell's friction, fold_damping's, slack_drag's and the rest (impacts, snapping
-taut, the time step; negative: made); steps that had to be halved, and that missed their tolerance;
-CPU seconds.
+the stretch's, friction's on the shell and on itself, fold_damping's, slack_drag's and the rest
+(impacts, snapping taut, the time step; negative: made); steps that had to be halved, and that
+missed their tolerance; CPU seconds.
 """
 
 # ruff: noqa: E402
@@ -80,8 +80,8 @@ def main() -> None:
     """Print the table."""
     scene, *sets = sys.argv[1:] or [str(CASES / "pad_sway_coarse")]
     table = Table(
-        "set", "CG", "dissipated J", "liquid", "stretch", "friction", "fold_damping", "slack_drag",
-        "rest", "halved", "unconverged", "CPU s",
+        "set", "CG", "dissipated J", "liquid", "stretch", "shell", "self", "fold_damping",
+        "slack_drag", "rest", "halved", "unconverged", "CPU s",
     )  # fmt: skip
     for keys in ("", *(sets or SETS)):
         figures = row(Path(scene), keys)

@@ -383,7 +383,8 @@ def test_a_crossing_is_named_without_any_motion():
     assert len(result.pairs) == 0
 
 
-def test_planes_match_the_reference_and_hold_their_gaps():
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
     x, triangles = two_sheets(2e-3)
     upper = np.arange(len(x)) >= len(x) // 2
     result = contact(triangles).resolve(x, x - np.where(upper[:, None], [0.0, 0.0, 2e-3], 0.0))
@@ -392,18 +393,22 @@ def test_planes_match_the_reference_and_hold_their_gaps():
     start = result.position - np.where(upper[:, None], [0.0, 0.0, 1e-3], 0.0)
     inverse, limit = np.ones(len(x)), np.full(len(x), 1.0)
     weight = np.where(np.arange(len(x)) % 7 > 0, 3.0, 0.0)
+    before = x + np.where(upper[:, None], [1e-4, 3e-4, 0.0], 0.0)
     answers = []
     for module in (reference, contact_planes):
         z, u, rhs = start.copy(), np.zeros_like(start), np.zeros_like(start)
+        rub = np.ones_like(start)
         module.plane_step(
             planes.nodes, planes.weights, planes.normal, planes.rest,
-            inverse, limit, weight, 4, z, u, rhs,
+            inverse, limit, weight, 4, friction, before, z, u, rub, rhs,
         )  # fmt: skip
-        answers.append((z, u, rhs))
+        answers.append((z, u, rhs, rub))
     for wanted, got in zip(*answers, strict=True):
         np.testing.assert_allclose(got, wanted, atol=1e-14)
+    assert np.any(answers[1][3]) == (friction > 0.0)
     z = answers[1][0].copy()
     for _ in range(30):
-        planes.step(inverse, limit, weight, z, np.zeros_like(z), np.zeros_like(z))
+        none = np.zeros((3, *z.shape))
+        planes.step(inverse, limit, weight, friction, before, z, *none)
     gap = np.einsum("ki,kid,kd->k", planes.weights, z[planes.nodes], planes.normal)
     assert np.min(gap - planes.rest) >= -1e-5

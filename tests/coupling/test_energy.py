@@ -198,15 +198,17 @@ def test_loss_time_is_that_of_its_frequency_or_of_the_sine_s():
 def test_the_rubber_s_own_losses_are_summed_by_name(tmp_path):
     """What nothing takes is none; a part of them is not what closes the balance."""
     ends = []
-    own = {"inextensible": False, "loss_factor": 0.15, "friction_shell": 0.3}
+    own = {"inextensible": False, "loss_factor": 0.15, "friction_shell": 0.3, "friction_self": 0.3}
     for name, rubber in (("without", {"inextensible": False}), ("with", own)):
         run(tank(diaphragm=rubber, time={"duration": 0.4}), tmp_path / name)
         metrics = read_results(tmp_path / name).metrics
         ends.append({name: values[-1] for name, values in metrics.items()})
     without, taken = ends
-    assert without["dissipated_by_stretch"] == without["dissipated_by_friction"] == 0.0
-    for name in ("dissipated_by_stretch", "dissipated_by_friction"):
-        assert 0.0 < taken[name] < taken["dissipated"]
+    for name in ("stretch", "shell_friction", "self_friction"):
+        assert without[f"dissipated_by_{name}"] == 0.0
+        assert taken[f"dissipated_by_{name}"] < taken["dissipated"]
+    assert taken["dissipated_by_stretch"] > 0.0
+    assert taken["dissipated_by_shell_friction"] > 0.0
 
 
 def test_output_every_changes_no_sum(tmp_path):

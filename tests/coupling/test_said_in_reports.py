@@ -69,7 +69,7 @@ def test_the_rubber_s_own_losses_stand_by_name_beside_the_regularisations(tmp_pa
     """Of 20 J a period, 11 of them by fold_damping and slack_drag."""
     own = ENERGIES | {
         "dissipated_by_stretch": lambda t: 2.0 * t * run.FREQUENCY,
-        "dissipated_by_friction": lambda t: 1.0 * t * run.FREQUENCY,
+        "dissipated_by_shell_friction": lambda t: 1.0 * t * run.FREQUENCY,
     }
     whole_run(tmp_path, metrics=own)
     files = read_run(tmp_path)
