@@ -53,12 +53,14 @@ def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
 def thesis_row(scene: Scene) -> Entry:
     """The scene on the thesis' own grid, with its own algorithm and steps of its own length.
 
+    It knows no loss of the rubber's and no friction.
+
     ``SceneError`` where that cannot be, as with a thickness map.
     """
     changes = (
         'cloth.grid="thesis"', f"cloth.resolution={SIZE}", 'cloth.wrinkling="relaxed"',
-        'model.fluid="datum"', "diaphragm.inextensible=true",
-        'diaphragm.rim="hinged"',
+        'model.fluid="datum"', 'diaphragm.rim="hinged"', "diaphragm.inextensible=true",
+        "diaphragm.loss_factor=0", "diaphragm.friction_shell=0", "diaphragm.friction_self=0",
     )  # fmt: skip
     return Entry(row=THESIS, resolution=AS_RUN, scene=with_overrides(scene, changes))
 
@@ -67,7 +69,8 @@ def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
     """The scene with a diaphragm that stretches, or does not where the scene's own does.
 
     On the highest of ``models`` but openfoam, for the cost: what stretching does is read against
-    the same model, not against the reference. ``SceneError`` where the scene cannot stretch.
+    the same model, not against the reference. Without the rubber's loss, of which a diaphragm that
+    does not stretch has none. ``SceneError`` where the scene cannot stretch.
     """
     cheap = [model for model in models if model != "openfoam"] or list(models)
     stiff = scene.diaphragm.inextensible
@@ -75,7 +78,9 @@ def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
     return Entry(
         row=stretch_name(scene),
         resolution=AS_RUN,
-        scene=scene_from(plain_values(_with(changed, "diaphragm", inextensible=not stiff))),
+        scene=scene_from(
+            plain_values(_with(changed, "diaphragm", inextensible=not stiff, loss_factor=0.0))
+        ),
     )
 
 

@@ -24,6 +24,7 @@ from coupling.study_plan import (
     ladder_rows,
     less_resolved,
     stiffer,
+    stretch_row,
     thesis_row,
 )
 from coupling.study_record import StudyRecord
@@ -217,6 +218,16 @@ def test_a_failed_model_is_a_row(small: Scene, tmp_path: Path) -> None:
     assert study["models"]["openfoam"]["failure"]
     assert study["models"]["openfoam"]["error"] == {}
     assert "failed" in (tmp_path / "study" / "report.html").read_text()
+
+
+def test_a_rubber_that_loses_energy_is_compared_with_the_thesis_and_a_stiff_one(small: Scene):
+    """Neither of which can lose what rubber does."""
+    own = ("inextensible=false", "loss_factor=0.15", "friction_shell=0.3", "friction_self=0.3")
+    lossy = with_overrides(small, [f"diaphragm.{key}" for key in own])
+    thesis, stiff = thesis_row(lossy).scene, stretch_row(lossy, ["hydrostatic"]).scene
+    assert thesis.diaphragm.friction_self == thesis.loss_time == stiff.loss_time == 0.0
+    assert stiff.diaphragm.inextensible
+    assert stiff.diaphragm.friction_shell == 0.3
 
 
 def test_a_scene_that_the_thesis_cannot_have_is_a_row_too(small: Scene, tmp_path: Path) -> None:
