@@ -30,17 +30,25 @@ from coupling.results import read_results
 from coupling.scene import load_scene
 
 CASES = Path(__file__).parents[2] / "foam_cases"
+REAL = (
+    "diaphragm.inextensible=false,diaphragm.loss_factor=0.15,"
+    "diaphragm.friction_shell=0.3,diaphragm.friction_self=0.3"
+)
 SETS = (
-    "cloth.fold_damping=7",
     "cloth.fold_damping=28",
+    "cloth.fold_damping=7",
     "cloth.fold_damping=5",
+    "cloth.fold_damping=2",
     "cloth.fold_damping=1",
-    "cloth.slack_drag=10",
-    "cloth.slack_drag=40",
+    "cloth.fold_damping=5,cloth.slack_drag=5",
+    "diaphragm.friction_shell=0.3",
     "diaphragm.inextensible=false",
     "diaphragm.inextensible=false,diaphragm.loss_factor=0.15",
-    "diaphragm.friction_shell=0.3",
-    "diaphragm.inextensible=false,diaphragm.loss_factor=0.15,diaphragm.friction_shell=0.3",
+    REAL,
+    f"{REAL},cloth.fold_damping=5",
+    f"{REAL},cloth.fold_damping=2",
+    f"{REAL},cloth.fold_damping=1",
+    *(f"{REAL},cloth.fold_damping={damping},time.step=0.005" for damping in (14, 5, 2)),
 )
 
 
