@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,12 +10,8 @@ from cloth import kernels, node_kernels
 from cloth.arrays import Array
 from cloth.contact import clamp_to_shell, stuck
 from cloth.ending import Bounds, VolumeLostError, ending
-from cloth.inertia import Kinematics
-from cloth.linear import System
-from cloth.load import Load, Settings
-from cloth.model import ClothModel
+from cloth.problem import Solution, StepProblem
 from cloth.self_contact.planes import Planes
-from cloth.self_contact.result import Contact
 
 RESPONSE_EVERY = 5  # iterations between two of the volume's answers to the datum
 CONTACT_EVERY = 10  # iterations between two looks at what touches
@@ -25,84 +20,6 @@ LEAST = 10  # iterations before the first look at what they leave
 SPAN = 5  # iterations over which their contraction is measured
 MARGIN = 0.2  # of a step's first solve: further iterations, which its later solves may need too
 CONTRACTION = (0.5, 0.98)  # bounds: a lucky pair of iterations does not end a solve
-
-
-@dataclass(frozen=True, kw_only=True)
-class StepProblem:
-    """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate.
-
-    ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
-    the iteration sets out; ``penalty`` [N/m] is the stretch's; ``rest`` (m, 3) is the strain free
-    of tension, (0, 3) where that is none.
-    """
-
-    model: ClothModel
-    settings: Settings
-    penalty: float
-    system: System
-    dt: float
-    kin: Kinematics
-    load: Load
-    committed: Array
-    start: Array
-    datum: float
-    tension: Array
-    rest: Array
-    contact_force: Array
-    constant_force: Array
-    limit: Array
-
-
-@dataclass(kw_only=True)
-class Solution:
-    """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
-
-    ``change`` [m] is the rms displacement that further iterations would add, as estimated.
-    ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell, ``self_rub`` on itself;
-    ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
-    ``converged``: the tolerance is met, the volume kept, and no part crosses another.
-    """
-
-    position: Array
-    tension: Array
-    contact_force: Array
-    rub: Array
-    self_rub: Array
-    datum: float
-    volume: float
-    strain: Array
-    change: float
-    iterations: int
-    contact: Contact | None
-    planes: Planes | None
-    converged: bool
-
-
-def constant_force(
-    model: ClothModel,
-    settings: Settings,
-    system: System,
-    kin: Kinematics,
-    body_force: Array,
-    rows: Array | None,
-) -> Array:
-    """Inertia, weight, damping and rim (n, 3) [N]; ``rows`` (r, n, 3) [sqrt(N/m)] are B/b.
-
-    The damping is tau_b times the rate of the whole bending force, the moulded curvature's part
-    included: Q alone would damp the rotation of a curved sheet that does not bend.
-    """
-    b, anchor = kin.b, kin.position_anchor
-    inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)
-    drag = (settings.drag / b * model.mass)[:, None] * anchor
-    damping = -settings.bending_damping / b * model.bending_force(anchor)
-    rim = system.lift(model.clamped, model.mesh.fixed)
-    rim += (1.0 + settings.bending_damping / b) * model.bending.held
-    total = inertial + drag + damping + rim
-    if rows is not None:
-        flat = rows.reshape(len(rows), -1)
-        total = total + (flat.T @ (flat @ kin.prediction.ravel())).reshape(-1, 3)
-    total[model.mesh.fixed] = 0.0
-    return np.asarray(total)
 
 
 class Iteration:

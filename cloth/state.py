@@ -112,3 +112,19 @@ class Memory:
                 )
             values[f.name] = value
         return cls(**values)
+
+
+def state_of(memory: Memory) -> ClothState:
+    """The state that ``memory`` is of, in copies."""
+    m = memory
+    return ClothState(
+        position=m.position.copy(),
+        velocity=m.velocity.copy(),
+        datum_pressure=float(m.datum[0]),
+        volume=float(m.volume[0]),
+        strain=m.strain.copy(),
+        tension=principal_tension(m.tension),
+        shell_slip=m.shell_slip.copy(),
+        self_slip=m.self_slip.copy(),
+        change=float(m.change[0]),
+    )

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.contact import pressed, slid
-from cloth.energy import (
-    SheetEnergy,
-    SheetLosses,
-    rubber_at,
-    sheet_energy,
-    sheet_losses,
-    stretch_loss,
-)
+from cloth.committed import committed
+from cloth.energy import SheetEnergy, SheetLosses, rubber_at, sheet_energy
 from cloth.inertia import Kinematics, kinematics
-from cloth.iteration import Solution, StepProblem, constant_force, iterate
+from cloth.iteration import iterate
 from cloth.linear import System
 from cloth.load import Load, Settings, penalty_of
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
-from cloth.state import ClothState, Memory, principal_tension
+from cloth.problem import Solution, StepProblem, constant_force
+from cloth.state import ClothState, Memory, state_of
 from cloth.viscous import free_strain
 
 SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
@@ -84,7 +77,6 @@ class Cloth:
         self._memory = Memory.at_rest(position, len(mesh.triangles), self.model.volume(position))
         self._memory.rubber_strain, _ = rubber_at(self.model, position)
         self._systems: dict[tuple[float, float, Settings], System] = {}
-        self._dt = 0.0
         self._kin: Kinematics | None = None
         self._losses = SheetLosses()  # in the step that led to the committed state, if known
         self._problem: StepProblem | None = None
@@ -107,7 +99,7 @@ class Cloth:
         if (load.volume is None) == (load.datum is None):
             raise ValueError("cloth load: give either the volume or the datum, not both.")
         m = self._memory
-        self._dt, self._solution, self._first = dt, None, None
+        self._solution, self._first = None, None
         self._kin = kin = kinematics(
             dt, float(m.previous_dt[0]), m.position, m.velocity,
             m.previous_position, m.previous_velocity,
@@ -194,41 +186,14 @@ class Cloth:
 
     def accept_step(self) -> None:
         """Commit the last solve."""
-        kin, m, s = self._begun(), self._memory, self._solution
+        self._begun()
+        m, s = self._memory, self._solution
         if self.held:
             return
         if s is None:
             raise RuntimeError("cloth: accept_step needs a solve first.")
         assert self._problem is not None
-        limit, reach = self._problem.limit, 0.5 * float(self.thickness.max())
-        rubbing = pressed(m.position, m.contact_force, limit, reach)
-        rubbing &= pressed(s.position, s.contact_force, limit, reach)
-        rubber, slack = rubber_at(self.model, s.position, self._problem.rest)
-        rubbed = 0.0 if s.contact is None else s.contact.node_slip()
-        self._memory = Memory(
-            position=s.position,
-            velocity=kin.velocity(s.position),
-            previous_position=m.position,
-            previous_velocity=m.velocity,
-            previous_dt=np.array([self._dt]),
-            tension=s.tension,
-            contact_force=s.contact_force,
-            datum=np.array([s.datum]),
-            volume=np.array([s.volume]),
-            strain=s.strain,
-            rubber_strain=rubber,
-            change=np.array([s.change]),
-            shell_slip=m.shell_slip + slid(m.position, s.position, rubbing),
-            self_slip=m.self_slip + rubbed,
-            near=np.array([float(s.contact is not None and s.contact.near.any())]),
-        )
-        settings, strained = self._problem.settings, rubber - m.rubber_strain
-        self._losses = replace(
-            sheet_losses(self.model, settings, self._memory, kin.b),
-            stretch=stretch_loss(self.model, settings.stretch_damping, strained, slack, self._dt),
-            shell_friction=float(np.vdot(s.rub, s.position - m.position)) / self._dt,
-            self_friction=float(np.vdot(s.self_rub, s.position - m.position)) / self._dt,
-        )
+        self._memory, self._losses = committed(self._problem, s, m)
         self._kin = None
 
     def halt(self) -> None:
@@ -248,18 +213,7 @@ class Cloth:
     @property
     def state(self) -> ClothState:
         """The committed state."""
-        m = self._memory
-        return ClothState(
-            position=m.position.copy(),
-            velocity=m.velocity.copy(),
-            datum_pressure=float(m.datum[0]),
-            volume=float(m.volume[0]),
-            strain=m.strain.copy(),
-            tension=principal_tension(m.tension),
-            shell_slip=m.shell_slip.copy(),
-            self_slip=m.self_slip.copy(),
-            change=float(m.change[0]),
-        )
+        return state_of(self._memory)
 
     def energy(self) -> SheetEnergy:
         """Of the committed state."""
