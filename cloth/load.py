@@ -60,16 +60,22 @@ class Settings:
     self_friction: float = 0.0
 
 
-def penalty_of(load: Load, *, size: float, inertia: float) -> float:
+def pressure_scale(load: Load, size: float) -> float:
+    """P [Pa]: rho |b| L over the sheet's ``size`` L [m], or a given datum where that is more."""
+    hydrostatic = load.density * float(np.linalg.norm(load.body_force)) * size
+    return max(hydrostatic, abs(load.datum or 0.0))
+
+
+def penalty_of(load: Load, *, size: float, inertia: float, compressive: float = 0.0) -> float:
     """The penalty k [N/m] in proportion to what a step has to hold.
 
-    The larger of the pressure's tension, rho |b| L^2 with the sheet's ``size`` L [m] or a given
-    datum times L, and of its ``inertia`` [N/m], rho_d t L^2/b^2 with the step's time b. In steps of
+    The larger of the pressure's tension, P L with the ``pressure_scale`` P over the sheet's
+    ``size`` L [m], of its ``inertia`` [N/m], rho_d t L^2/b^2 with the step's time b, and of its
+    ``compressive`` stiffness [N/m]: a compressed triangle may turn aside, so its energy is not
+    convex, and with a lower penalty the iteration does not converge. In steps of
     sqrt(2), so that a shaken tank needs few different matrices.
     """
-    tension = load.density * float(np.linalg.norm(load.body_force)) * size**2
-    tension = max(tension, abs(load.datum or 0.0) * size)
-    ratio = tension / inertia
+    ratio = max(pressure_scale(load, size) * size, compressive) / inertia
     if not (math.isfinite(ratio) and ratio > 1.0):
         return inertia
     return float(inertia * 2.0 ** (0.5 * math.ceil(2.0 * math.log2(ratio))))

@@ -1,35 +1,33 @@
-"""The diaphragm's static equilibrium, from the moulded shape."""
+"""The diaphragm's static equilibrium, sought from a level shape by steps that forget velocity."""
 
 from __future__ import annotations
 
 import logging
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cloth.arrays import Array
 from cloth.contact import clamp_to_shell
-from cloth.load import Load, Settings
+from cloth.level import level_shape
+from cloth.load import Load, Settings, pressure_scale
+from cloth.residual import residual
 from cloth.step import Cloth
 
 log = logging.getLogger(__name__)
 
-BENDING_DAMPING = 1.0  # s, at least this while settling: it leaves the equilibrium as it is
-RAMPING = 10  # iterations of a pseudo-step while the volume changes
+PSEUDO_STEP = 0.14  # of a step, in swings sqrt(L/b)
+BENDING_DAMPING = 5.0  # swings, at least this while settling: it leaves the equilibrium as it is
+TURNING, TURNED = 50, 10  # pseudo-steps of gravity through 90 degrees, and their iterations
 ITERATIONS = 60  # of the others, if not given; 20 leave short waves that momentum would amplify
-# Of the shell's penalty over the stretch's, if not given: the penalty also holds nodes on the shell
-# back from sliding. With a time step's 0.15, half-full sheets of 18 and 24 rings still move after
-# 1500 steps; with 0.002 and 0.02 they come to rest.
-SHELL_WEIGHT = 0.02
 MOMENTUM = 0.97  # of the last step, at most
-COASTING = 0.2  # momentum multiplies a slow motion by up to 1 / (1 - MOMENTUM) = 33
-SLIDING = 0.5  # weight of tangential motion: slack cloth slides on where hardly a force holds it
-QUIET_STEPS = 10
-PATIENCE = 500  # steps; from there on the tolerance grows in proportion to the steps done
+QUIET_STEPS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Ramped:
+class _Turned:
     density: float
     body_force: Array
     volume: float | None
@@ -38,10 +36,10 @@ class _Ramped:
 
 @dataclass(frozen=True, kw_only=True)
 class Settled:
-    """``steps`` done; ``change`` [m], see ``settle``; ``converged``."""
+    """``steps`` done; ``residual`` [-], see ``cloth.residual``; ``converged``."""
 
     steps: int
-    change: float
+    residual: float
     converged: bool
 
 
@@ -58,27 +56,16 @@ class _Momentum:
 
     def factor(self, step: Array, motion: Array) -> float:
         """Share of the last change to add; ``step``, ``motion`` (n, 3) [m] without and with it."""
-        residual = _rms(step)
-        self.best = min(self.best, residual)
-        if residual > 3.0 * self.best:
-            self.age, self.cap, self.best = 0, 0.5 * self.cap, residual
+        moved = float(np.linalg.norm(step))
+        self.best = min(self.best, moved)
+        if moved > 3.0 * self.best:
+            self.age, self.cap, self.best = 0, 0.5 * self.cap, moved
         elif float(np.sum(step * motion)) < 0.0:
             self.age = 0
         else:
             self.age += 1
         self.cap = min(MOMENTUM, self.cap + 0.005)
         return min(self.cap, self.age / (self.age + 3.0))
-
-
-def _rms(moved: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))
-
-
-def _weighted(moved: Array, normals: Array) -> float:
-    """Rms of ``moved`` (n, 3) [m] with its part across ``normals`` (any length) times SLIDING."""
-    length = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
-    along = np.sum(moved * normals / length, axis=1)[:, None] * normals / length
-    return _rms(along + SLIDING * (moved - along))
 
 
 def _extrapolated(
@@ -109,71 +96,87 @@ def settle(
     cloth: Cloth,
     load: Load,
     *,
-    dt: float = 0.03,
-    ramp_steps: int = 100,
-    tolerance: float = 4e-7,
+    tolerance: float = 1e-6,
     steps_max: int = 1500,
     iterations: int = ITERATIONS,
-    shell_weight: float = SHELL_WEIGHT,
 ) -> Settled:
     """Bring ``cloth`` to rest under ``load``, in place.
 
-    Implicit Euler steps of ``dt`` [s] that forget their velocity, with more bending
-    damping, which does not move the equilibrium. The volume goes from where it
-    is to ``load.volume`` as a smooth ramp over ``ramp_steps`` (none with a given datum). Then
-    steps are extrapolated, until for ten of them the ``change`` stays below ``tolerance`` times
-    half the mesh's extent (the radius, of a hemisphere): the rms displacement of a step alone, or
-    a fifth of it with the extrapolation if that is more, motion along the surface counted half. So
-    slack cloth may still creep tangentially by two tolerances a step. After 500 steps the
-    tolerance grows with the steps, threefold at 1500: what is left is the slow creep of a slack
-    coarse sheet.
-    A wrinkled or slack sheet has many equilibria; the one found depends on the path.
+    A sheet in a shell, as moulded, sets out from the level shape over the liquid's volume, with
+    gravity along its axis (``cloth.level``), which then turns to where the load has it; any other
+    sets out from where it is. Implicit Euler steps that forget their velocity, with more
+    bending damping, which does not move the equilibrium, are extrapolated until for five of them
+    the ``residual``, the force left over rho b L^3 (``cloth.residual``; b the body force, L half
+    the mesh's extent, the radius of a hemisphere), is within ``tolerance``.
+    A wrinkled or slack sheet has many equilibria; the one found depends on the path. Where none is
+    found the sheet stays where the last step led.
     """
     if cloth.held:
-        return Settled(steps=0, change=0.0, converged=True)
-    begin = cloth.state.volume
-    damping = max(BENDING_DAMPING, cloth.settings.bending_damping)
+        return Settled(steps=0, residual=0.0, converged=True)
+    model = cloth.model
+    swing = math.sqrt(load.density * model.size**2 / pressure_scale(load, model.size))
+    dt = PSEUDO_STEP * swing
     # A fixed number: pseudo-steps that stop early stop short of the equilibrium.
-    ramping = replace(
+    seeking = replace(
         cloth.settings,
-        bending_damping=damping,
+        bending_damping=max(BENDING_DAMPING * swing, cloth.settings.bending_damping),
         stretch_damping=0.0,
         shell_friction=0.0,
         self_friction=0.0,
         tolerance=0.0,
-        iterations=RAMPING,
-        shell_weight=shell_weight,
+        iterations=iterations,
     )
-    seeking = replace(ramping, iterations=iterations)
-    limit = tolerance * cloth.model.size
-    momentum, change, quiet = _Momentum(), np.inf, 0
     cloth.halt()
+    moulded = np.array_equal(cloth.state.position, cloth.reference)
+    if model.shell_radius is not None and load.volume is not None and moulded:
+        _place(cloth, level_shape(model, load.volume))
+        for body_force in _turns(load.body_force):
+            part = _Turned(
+                density=load.density, body_force=body_force, volume=load.volume, datum=None
+            )
+            _pseudo_step(cloth, dt, part, replace(seeking, iterations=TURNED))
+    momentum, left, quiet = _Momentum(), np.inf, 0
     old = cloth.save()
     for step in range(1, steps_max + 1):
-        s, volume = min(1.0, step / ramp_steps), load.volume
-        if volume is None:
-            s = 1.0
-        else:
-            volume = begin + (volume - begin) * s * s * (3.0 - 2.0 * s)
-        part = _Ramped(
-            density=load.density, body_force=load.body_force, volume=volume, datum=load.datum
-        )
         start = cloth.state.position
-        new = _pseudo_step(cloth, dt, part, ramping if s < 1.0 else seeking)
-        moved, motion = new["position"] - start, new["position"] - old["position"]
-        normals = cloth.model.volume_and_gradient(start)[1]
-        change = max(_weighted(moved, normals), COASTING * _weighted(motion, normals))
-        quiet = quiet + 1 if s >= 1.0 and change <= limit * max(1.0, step / PATIENCE) else 0
+        new = _pseudo_step(cloth, dt, load, seeking)
+        left = residual(model, load, new["position"], float(new["datum"][0]), new["contact_force"])
+        quiet = quiet + 1 if left <= tolerance else 0
         if quiet >= QUIET_STEPS:
-            log.info("settled after %d steps, rms change %.1e m", step, change)
-            return Settled(steps=step, change=change, converged=True)
-        if s >= 1.0 and step < steps_max:
+            log.info("settled after %d steps: the force left is %.1e of rho g R^3", step, left)
+            return Settled(steps=step, residual=left, converged=True)
+        if step < steps_max:
+            moved, motion = new["position"] - start, new["position"] - old["position"]
             cloth.restore(_extrapolated(cloth, new, old, momentum.factor(moved, motion)))
         old = new
     log.warning(
-        "not settled after %d steps: rms change %.1e m a step, tolerance %.1e m",
+        "not settled after %d steps: the force left is %.1e of rho g R^3, tolerance %.1e",
         steps_max,
-        change,
-        limit,
+        left,
+        tolerance,
     )
-    return Settled(steps=steps_max, change=change, converged=False)
+    return Settled(steps=steps_max, residual=left, converged=False)
+
+
+def _place(cloth: Cloth, position: Array) -> None:
+    """At rest at ``position`` (n, 3) [m], without tension or contact."""
+    state = cloth.save()
+    state["position"] = state["previous_position"] = position
+    for name in ("tension", "contact_force"):
+        state[name] = np.zeros_like(state[name])
+    state["volume"] = np.array([cloth.model.volume(position)])
+    cloth.restore(state)
+    cloth.halt()
+
+
+def _turns(body_force: Array) -> Iterator[Array]:
+    """Body forces (3,) [m/s^2] on the way from -z to ``body_force``, that one left out."""
+    size = float(np.linalg.norm(body_force))
+    angle = math.acos(max(-1.0, min(1.0, -float(body_force[2]) / size)))
+    side = body_force * np.array([1.0, 1.0, 0.0])
+    length = float(np.linalg.norm(side))
+    side = side / length if length > 1e-9 * size else np.array([1.0, 0.0, 0.0])
+    count = math.ceil(TURNING * angle / (0.5 * math.pi))
+    for step in range(1, count):
+        turned = angle * step / count
+        yield size * (math.sin(turned) * side - math.cos(turned) * np.array([0.0, 0.0, 1.0]))

@@ -113,7 +113,8 @@ class Cloth:
         penalty = settings.penalty
         if penalty is None:
             inertia = self.model.inertia / kin.b**2
-            penalty = penalty_of(load, size=self.model.size, inertia=inertia)
+            stiffest = float(self.model.compressive.max())
+            penalty = penalty_of(load, size=self.model.size, inertia=inertia, compressive=stiffest)
         system = self._factorised(settings, penalty, kin.b)
         system.add_mass(rows)
         self._problem = StepProblem(

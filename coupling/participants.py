@@ -51,7 +51,7 @@ class Participants:
     def settle(self) -> None:
         """Bring the diaphragm to rest at its level. Raises ``RunFailed`` where it finds none."""
         with self._timed("structure"):
-            self.tally.statistics.settle_change = settle_diaphragm(
+            self.tally.statistics.settle_residual = settle_diaphragm(
                 self.cloth, self.scene, self._load
             )
 

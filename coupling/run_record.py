@@ -58,8 +58,8 @@ class RunStatistics:
     """What a run counts as it goes; becomes part of ``summary.json``.
 
     Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
-    whether the flow's solver stayed alive or was restarted; ``settle_change`` [m]: rms motion that
-    the last pseudo-step of settling left; ``flow_fields_bytes``: on disk, where asked for.
+    whether the flow's solver stayed alive or was restarted; ``settle_residual`` [-]: force that
+    settling left over rho g R^3; ``flow_fields_bytes``: on disk, where asked for.
     ``strain_areas``: as ``coupling.metrics.strains.spread`` has it, summed over steps times
     their lengths; ``cloth_...``: inner iterations of the solve that each part of a step ends with.
     """
@@ -83,7 +83,7 @@ class RunStatistics:
     iterations_max: int = 0
     unconverged_steps: int = 0
     flow_solver: str | None = None
-    settle_change: float | None = None
+    settle_residual: float | None = None
     halved_steps: int = 0
     speed_max: float | None = None
     dphi_dt_max: float | None = None

@@ -148,14 +148,18 @@ class Time(Section):
     """
 
     settle: float = Field(
-        default=1.0, ge=0, le=1000, description="largest pseudo-time of settling [s]"
+        default=1.0,
+        ge=0,
+        le=1000,
+        description="time that the thesis' diaphragm moves before time 0 [s]; any other comes to "
+        "rest without a clock",
     )
     settle_tolerance: float = Field(
-        default=4e-7,
+        default=1e-6,
         gt=0,
         lt=0.1,
-        description="motion that settling may leave, in radii a pseudo-step; more than the "
-        "default starts a sheet that never comes to rest (heavy, or with its folds resolved)",
+        description="force that settling may leave on the diaphragm, over rho g R^3; more than "
+        "the default starts one that never comes to rest (heavy, or with its folds resolved)",
     )
     duration: float = Field(
         gt=0,

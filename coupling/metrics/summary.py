@@ -63,7 +63,7 @@ def summarise(
         "would_burst": None if strength is None else stress_estimate(scene) > strength,
         "strength_verdict": strength_verdict(scene, statistics.stress_max),
         "rubbing": _rubbing(results),
-        "settle_change_m": statistics.settle_change,
+        "settle_residual": statistics.settle_residual,
         "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,
         "coupling": {

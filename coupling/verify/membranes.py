@@ -44,7 +44,7 @@ def mylar(*, resolution: int = 24) -> VerifyResult:
         compressive_stiffness=SLACK,
         settings=film_settings(PENALTY_MYLAR * resolution, ITERATIONS),
     )
-    load = HydrostaticLoad(density=0.0, body_force=np.zeros(3), datum=1.0)
+    load = HydrostaticLoad(density=1.0, body_force=np.zeros(3), datum=1.0)
     bring_to_rest("mylar", cloth, load)
     x, exact = cloth.state.position, mylar_balloon()
     rim = slice(lower - sectors, lower)

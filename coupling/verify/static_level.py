@@ -18,7 +18,6 @@ from coupling.verify.sheets import FILM, SLACK, TAUT, bring_to_rest, film_settin
 # Tensions are of order 0.1 N/m here.
 PENALTY = 0.6  # N/m
 ITERATIONS = 150
-PSEUDO_STEP = 0.03  # s
 CUTS = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the way from the rim to the level
 
 
@@ -54,7 +53,7 @@ def static_level(*, fill_fraction: float = 0.8, resolution: int = 24) -> VerifyR
         body_force=np.array([0.0, 0.0, -1.0]),
         volume=volume + 2.0 / 3.0 * math.pi * (size**3 - 1.0),  # half the shell is whose size it is
     )
-    bring_to_rest("static-level", cloth, load, step=PSEUDO_STEP)
+    bring_to_rest("static-level", cloth, load)
     x, level = cloth.state.position, level_height(fill_fraction)
     cap = -0.25 * math.pi * (1.0 - level**2) ** 2 / volume
     heights = np.array(CUTS) * level if abs(level) > math.pi / resolution else np.zeros(0)

@@ -140,7 +140,7 @@ def test_resolved_wrinkles_stand_on_the_sheets_own_stiffness():
         stiffness = diaphragm_of(chosen).model.compressive
         own = chosen.diaphragm.sheet.membrane_stiffness
         unit = chosen.liquid.density * 9.81 * chosen.tank.radius**2
-        expected = own if wrinkling == "resolved" else COMPRESSIVE * unit
+        expected = own if wrinkling == "resolved" else COMPRESSIVE * unit  # far from buckling
         np.testing.assert_allclose(stiffness, expected, rtol=1e-14)
 
 
@@ -150,7 +150,7 @@ def test_a_half_full_sheet_of_18_rings_comes_to_rest():
     cloth = diaphragm_of(chosen)
     density = chosen.liquid.density
     load = Hydrostatic(density=density, volume=chosen.liquid_volume).load(GRAVITY)
-    assert settle_diaphragm(cloth, chosen, load) < 1e-6 * chosen.tank.radius
+    assert settle_diaphragm(cloth, chosen, load) < 1e-6
 
 
 def test_says_when_no_rest_is_found():
@@ -170,9 +170,9 @@ def test_a_sheet_that_never_rests_can_start_as_it_creeps():
     )
     cloth = diaphragm_of(chosen)
     load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
-    change = settle_diaphragm(cloth, chosen, load)
-    assert change is not None
-    assert 4e-7 * RADIUS < change <= 1e-3 * RADIUS
+    left = settle_diaphragm(cloth, chosen, load)
+    assert left is not None
+    assert 1e-6 < left <= 1e-3
     assert np.abs(cloth.state.velocity).max() == 0.0
 
 

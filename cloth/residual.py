@@ -1,0 +1,54 @@
+"""The force that is left on a sheet at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cloth import reference
+from cloth.arrays import Array
+from cloth.load import Load, pressure_scale
+from cloth.model import ClothModel
+
+TOUCHING = 1e-6  # of the shell's radius, within which a node lies on it
+
+
+def stress(model: ClothModel, position: Array) -> Array:
+    """dW/dF (m, 3, 2) [N/m] of the triangles at ``position`` (n, 3) [m].
+
+    The law whose proximal points ``cloth.reference.limited`` takes.
+    """
+    stretch = np.einsum("tid,tie->tde", position[model.triangles], model.gradients)
+    left, sigma, right = np.linalg.svd(stretch, full_matrices=False)
+    e, f = sigma[:, 0] - 1.0, sigma[:, 1] - 1.0
+    stiff, soft, nu = model.tensile, model.compressive, model.poisson
+    both = (soft >= stiff) | (f >= -nu * e)
+    plane = stiff / (1.0 - nu**2)
+    one = np.where(both, plane * (e + nu * f), np.where(e > 0.0, stiff * e, soft * e))
+    two = np.where(both, plane * (f + nu * e), soft * (f + nu * np.maximum(e, 0.0)))
+    return np.asarray(left * np.stack([one, two], axis=1)[:, None, :] @ right)
+
+
+def residual(
+    model: ClothModel, load: Load, position: Array, datum: float, contact_force: Array
+) -> float:
+    """Norm over all free nodes of the force that is left, over P L^2 [-], P the ``pressure_scale``.
+
+    Stress, bending, weight and pressure at ``position`` (n, 3) [m], with ``datum`` [Pa], less the
+    ``contact_force`` (n, 3) [N] that the sheet exerts on the shell and on itself. A node on the
+    shell keeps its tangential part alone where what is left points outward: the shell bears the
+    rest. Whether contact forces between parts of the sheet balance is not checked.
+    """
+    scale = pressure_scale(load, model.size)
+    force = model.mass[:, None] * load.body_force - contact_force + model.bending_force(position)
+    slope = load.density * load.body_force
+    reference.pressure_step(position, model.triangles, datum, slope, force)
+    pull = model.areas[:, None, None] * np.einsum(
+        "tde,tie->tid", stress(model, position), model.gradients
+    )
+    np.add.at(force, model.triangles, -pull)
+    radius = np.linalg.norm(position, axis=1)
+    normal = position / np.maximum(radius, 1e-30)[:, None]
+    outward = np.einsum("id,id->i", force, normal)
+    borne = (radius >= model.limit * (1.0 - TOUCHING)) & (outward > 0.0)
+    force -= np.where(borne, outward, 0.0)[:, None] * normal
+    return float(np.linalg.norm(force[model.free])) / (scale * model.size**2)
