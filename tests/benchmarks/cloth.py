@@ -45,7 +45,7 @@ from coupling.metrics.harmonic import first_harmonic, last_whole_periods
 from coupling.numbers import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad
 from coupling.scene_numerics import Cloth as ClothSection
-from coupling.structure import COMPRESSIVE, liquid_cg
+from coupling.structure import BUCKLING, liquid_cg
 from coupling.verify.static_level import level_height, roundness
 
 RADIUS, THICKNESS, FILL, DENSITY = 0.4445, 1.778e-3, 0.8, 1000.0
@@ -155,7 +155,7 @@ def our_row(
     cloth = Cloth(
         mesh=hemisphere(RADIUS, rings), diaphragm=SHEET, shell_radius=RADIUS, self_contact=True,
         tensile_stiffness=ClothSection().stiffness * unit if stiff else None,
-        compressive_stiffness=COMPRESSIVE * DENSITY * 9.81 * RADIUS**2,
+        compressive_stiffness=2.0 * BUCKLING * math.sqrt(SHEET.bending_stiffness * DENSITY * 9.81),
         settings=Settings(tolerance=tolerance, iterations=100_000),
     )  # fmt: skip
     settle(cloth, conserving(0.0))
