@@ -106,9 +106,9 @@ class _Run:
             _log.warning("%s The run goes on with a sheet that cannot.", self.burst)
         if self.scene.time.beyond:
             _log.info("%s", self.scene.time.beyond)
-        self.progress("settle", 0.0, self.scene.time.settle, "the diaphragm sinks to its level")
+        self.progress("settle", 0.0, 0.0, "the diaphragm sinks to its level")
         self.sides.settle()
-        self.progress("settle", self.scene.time.settle, self.scene.time.settle, "settled")
+        self.progress("settle", 0.0, 0.0, "settled")
         self.sides.start(self.iterations.write)
         self.energy.start(self.sides.instant(0.0, None), stored_in(self.sides.cloth, None))
         self._write(0.0, None, 0, 0.0)

@@ -23,7 +23,8 @@ _LINES_EVERY = 30.0  # seconds
 class RunProgress:
     """Context manager; call it with (stage, done, total, text).
 
-    ``done`` and ``total`` are in ``unit``: seconds, or whole things of that name.
+    ``done`` and ``total`` are in ``unit``: seconds, or whole things of that name; a ``total`` of 0
+    stands for a stage whose end is not known beforehand.
     Outside a terminal a line appears when the stage changes, then every 30 seconds and at its end.
     """
 
@@ -36,12 +37,10 @@ class RunProgress:
         self._last_line = 0.0
 
     def __enter__(self) -> Self:
-        digits = self._digits
         if self._console.is_terminal:
             self._bar = Progress(
                 TextColumn("{task.description}", markup=False),
                 BarColumn(),
-                TextColumn(f"{{task.completed:{digits}}} / {{task.total:{digits}}} {self._unit}"),
                 TextColumn("{task.fields[text]}", markup=False),
                 TimeElapsedColumn(),
                 TimeRemainingColumn(),
@@ -62,6 +61,8 @@ class RunProgress:
 
     def __call__(self, stage: str, done: float, total: float, text: str) -> None:
         """Show how far ``stage`` is, where there still is somebody to see it."""
+        if total > 0.0:
+            text = f"{done:{self._digits}} / {total:{self._digits}} {self._unit} {text}".rstrip()
         with suppress(OSError):  # a terminal that was closed does not end a run
             self._show(stage, done, total, text)
 
@@ -69,10 +70,12 @@ class RunProgress:
         if self._bar is None:
             self._line(stage, done, total, text)
         elif self._task is None or stage != self._stage:
-            self._task = self._bar.add_task(stage, total=total, text=text)
+            if self._task is not None and self._bar.tasks[self._task].total is None:
+                self._bar.update(self._task, total=1.0, completed=1.0)  # else it looks unfinished
+            self._task = self._bar.add_task(stage, total=total or None, text=text)
             self._bar.update(self._task, completed=done)
         else:
-            self._bar.update(self._task, total=total, completed=done, text=text)
+            self._bar.update(self._task, total=total or None, completed=done, text=text)
         self._stage = stage
 
     def _line(self, stage: str, done: float, total: float, text: str) -> None:
@@ -80,6 +83,4 @@ class RunProgress:
         if stage == self._stage and done < total and now - self._last_line < _LINES_EVERY:
             return
         self._last_line = now
-        figures = f"{done:{self._digits}} / {total:{self._digits}} {self._unit}"
-        line = f"{stage}: {figures} {text}".rstrip()
-        self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+        self._console.print(f"{stage}: {text}", highlight=False, markup=False, soft_wrap=True)

@@ -62,8 +62,8 @@ def _check_gravity(scene: Scene) -> list[str]:
     what = f"gravity: its z component must be negative, got {list(scene.gravity)}. "
     if any(scene.gravity):
         return [
-            f"{what}Turn the axes so that the liquid lies below the diaphragm, at negative z; a tank "
-            "upside down, its liquid on top of the rubber, is not computed."
+            f"{what}Turn the axes so that the liquid lies below the diaphragm, at negative z; a "
+            "tank upside down, its liquid on top of the rubber, is not computed."
         ]
     return [
         f"{what}A weightless liquid has no level that the diaphragm could settle on: give the "
