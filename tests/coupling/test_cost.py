@@ -63,8 +63,8 @@ def test_a_run_here_takes_a_time_within_the_range_said(tmp_path: Path) -> None:
 
 
 def test_slower_schemes_and_restarts_cost_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ratios of wall times in README's table: 2.1 to 2.6 and 6.2 to 6.7; restarts at 1,216 cells
-    cost 6.4 times an iteration of the flow."""
+    """Ratios of wall times in tables of schemes: 2.1 to 3.3 and 5.8 to 10.2; restarts at 1,216
+    cells cost 6.4 times an iteration of the flow."""
     monkeypatch.setattr("coupling.cost.built_for_any", lambda: True)
     case = CASES / "pad_sway_coarse"
     cost = {
