@@ -138,6 +138,7 @@ class Iteration:
             raise self._diverged(str(lost)) from lost
         if not np.all(np.isfinite(end.position)):
             raise self._diverged("the position is no longer finite")
+        moved = math.sqrt(float(np.sum((end.position - self.x) ** 2)) / len(self.x))
         return Solution(
             position=end.position,
             tension=self.u * self.penalty[:, None, None],
@@ -147,11 +148,13 @@ class Iteration:
             datum=self.datum,
             volume=end.volume,
             strain=end.strain,
-            change=self.left,
+            change=self.left + moved,
             iterations=self.done,
             contact=end.contact,
             planes=self.planes,
-            converged=end.converged and self.near_enough,
+            converged=end.converged
+            and self.near_enough
+            and moved <= p.settings.tolerance * p.model.size,
         )
 
     def _diverged(self, symptom: str) -> ArithmeticError:

@@ -45,10 +45,12 @@ class StepProblem:
 class Solution:
     """The end of a step: see ``cloth.state`` for the names; ``iterations`` done.
 
-    ``change`` [m] is the rms displacement that further iterations would add, as estimated.
+    ``change`` [m] is the rms displacement that further iterations would add, as estimated, and
+    that made the last iterate admissible (see ``cloth.ending``).
     ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell, ``self_rub`` on itself;
     ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
-    ``converged``: the tolerance is met, the volume kept, and no part crosses another.
+    ``converged``: both parts of ``change`` meet the tolerance, the volume is kept, and no part
+    crosses another.
     """
 
     position: Array
