@@ -11,6 +11,7 @@ from types import FrameType
 
 STATUS = 130
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_usual_hook = sys.unraisablehook
 _raised: list[int] = []  # signals since ``raise_interrupt``
 
 
@@ -31,9 +32,16 @@ def raise_interrupt() -> None:
     several while the summary is written.
     """
     _raised.clear()
+    sys.unraisablehook = _unraisable
     for number in _SIGNALS:
         if signal.getsignal(number) is _exit:
             signal.signal(number, _raise)
+
+
+def _unraisable(dropped: sys.UnraisableHookArgs) -> None:
+    """Print no trace of an interrupt that Python drops: see ``raise_lost_interrupt``."""
+    if not (_raised and dropped.exc_type is KeyboardInterrupt):
+        _usual_hook(dropped)
 
 
 def _exit(number: int, frame: FrameType | None) -> None:
