@@ -24,10 +24,11 @@ from coupling.results import ResultsWriter, read_results
 from coupling.resumption import SavedRun, save_run, saved_run
 from coupling.run_log import process_settings, run_log
 from coupling.run_record import SUMMARY, RunStatistics
-from coupling.scene import SCENE_FILE, Scene, load_scene, write_scene
+from coupling.scene import SCENE_FILE, Scene, load_scene
 from coupling.scene_content import content_of
+from coupling.scene_file import write_scene
 from coupling.strength import burst_warning
-from coupling.structure import DryStep
+from coupling.substeps import DryStep
 
 Progress = Callable[[str, float, float, str], None]
 _log = logging.getLogger(__name__)

@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 
 from cloth.energy import SheetEnergy, SheetLosses
+from coupling.liquid_shape import liquid_cg
 from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
 from coupling.scene import Scene
-from coupling.structure import Diaphragm, liquid_cg
+from coupling.structure import Diaphragm
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,9 +30,9 @@ from coupling.creases import give_way, least_sine
 from coupling.foam.geometry import face_centres_and_areas, fan_volume
 from coupling.foam.mesh import LiquidMesh, shell_shares
 from coupling.interface import cross, swept_gradient
+from coupling.liquid_shape import liquid_cg
 from coupling.mapping import moving_least_squares, moving_quadratics
 from coupling.ports import Array, Ints, Structure, StructureState
-from coupling.structure import liquid_cg
 
 WEDGE = math.tan(math.radians(15.0))  # least slope of the liquid's edge
 STEEP = 0.25  # sine of the least angle at which the rim opens the liquid, about the wedge's

@@ -14,7 +14,7 @@ from coupling.fluids.potential import PotentialLiquid
 from coupling.foam.installation import find_openfoam
 from coupling.foam.mesh import half_ball
 from coupling.free_patch import FreePatch
-from coupling.numbers import level_of_fill_fraction
+from coupling.liquid_shape import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad, Structure
 from coupling.scene import Scene
 

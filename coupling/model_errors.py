@@ -16,8 +16,8 @@ from importlib.resources import files
 import numpy as np
 
 from coupling.foam.mesh import cells_made
-from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.numbers import numbers_of
+from coupling.orders import FLOW_ORDER
 from coupling.ports import Array
 from coupling.scene import Scene
 

@@ -10,27 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from coupling.liquid_shape import level_of_fill_fraction
 from coupling.scene import Scene
 from coupling.shaking import driving_frequency, largest_acceleration, largest_body_force
 from coupling.sloshing_modes import covered_eigenvalue, slosh_eigenvalue
 from coupling.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
-
-
-def level_of_fill_fraction(fill_fraction: float) -> float:
-    """Depth h/R of a sphere filled to ``fill_fraction``: the root of h^2 (3 - h) = 4 FF in [0, 2].
-
-    The cap's volume is pi h^2 (3 - h) R^3/3; the cubic is solved exactly by Viete's cosine.
-    ``ValueError`` outside [0, 1].
-    """
-    if not 0.0 <= fill_fraction <= 1.0:
-        raise ValueError(f"fill fraction: must lie in [0, 1], got {fill_fraction:g}.")
-    angle = (np.arccos(1.0 - 2.0 * fill_fraction) + 4.0 * np.pi) / 3.0
-    return float(np.clip(1.0 + 2.0 * np.cos(angle), 0.0, 2.0))
-
-
-def fill_fraction_of_level(level: float) -> float:
-    """Inverse of ``level_of_fill_fraction``: h^2 (3 - h)/4 for h = ``level`` in radii."""
-    return level**2 * (3.0 - level) / 4.0
 
 
 def slosh_frequency(

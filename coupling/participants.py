@@ -23,7 +23,8 @@ from coupling.run_record import Sample
 from coupling.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
 from coupling.scene import Scene
 from coupling.schemes import scheme_named
-from coupling.structure import HALVINGS, DryStep, advance, diaphragm_of, settle_diaphragm
+from coupling.structure import diaphragm_of, settle_diaphragm
+from coupling.substeps import HALVINGS, DryStep, advance
 from coupling.tally import Tally
 
 Record = Callable[[float, int, float, float], None]

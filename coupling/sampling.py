@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupling.liquid_shape import liquid_cg
 from coupling.metrics.bernoulli import node_areas, weighted_rms
 from coupling.ports import (
     Array,
@@ -17,7 +18,6 @@ from coupling.ports import (
     LiquidSample,
 )
 from coupling.run_record import Sample
-from coupling.structure import liquid_cg
 
 LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy", "wall_slip")
 MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error", "wall_distance")

@@ -16,7 +16,6 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from coupling.atomic import replacing, write_text
 from coupling.scene_checks import problems_between
 from coupling.scene_diaphragm import Diaphragm
 from coupling.scene_errors import SceneError, problems_of
@@ -35,7 +34,6 @@ __all__ = [
     "scene_toml",
     "tables_of",
     "with_overrides",
-    "write_scene",
 ]
 
 # Keys that name a file beside the scene, and what its copy in a run's folder is called.
@@ -162,23 +160,3 @@ def tables_of(scene: Scene) -> dict[tuple[str, str], Path]:
 def scene_toml(scene: Scene) -> str:
     """The scene as TOML, all defaults written out; reading it gives an equal scene."""
     return tomli_w.dumps(plain_values(scene))
-
-
-def write_scene(scene: Scene, folder: Path) -> Path:
-    """Write ``scene.toml`` into ``folder``, with copies of the files it names; returns its path.
-
-    The folder can be moved and the scene run again from there: the files are named relative to it.
-    Each file appears whole or not at all, the scene last. ``RunFailed`` where the folder cannot be
-    written.
-    """
-    data = plain_values(scene)
-    contents = {place: path.read_bytes() for place, path in tables_of(scene).items()}
-    for (section, key), content in contents.items():
-        copy = folder / TABLE_FILES[section, key]
-        if not copy.is_file() or copy.read_bytes() != content:
-            with replacing(copy) as beside:
-                beside.write_bytes(content)
-        data[section][key] = copy.name
-    file = folder / SCENE_FILE
-    write_text(file, tomli_w.dumps(data))
-    return file

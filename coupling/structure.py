@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
@@ -21,9 +20,7 @@ from coupling.ports import (
     Array,
     DiaphragmState,
     HydrostaticLoad,
-    Ints,
     RunFailed,
-    StepFailed,
     Structure,
 )
 from coupling.scene import Scene
@@ -31,7 +28,6 @@ from coupling.shaking import largest_body_force
 from coupling.wrinkles import grid_spacing
 
 _log = logging.getLogger(__name__)
-HALVINGS = 3
 # Compressive stiffness of a relaxed sheet over rho |g| R^2, at most: 10 % bear 0.03 % R of liquid;
 COMPRESSIVE = 0.003
 # and over the load per width that buckles it on the liquid, so that compressed by half it pushes
@@ -162,77 +158,3 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> f
         )
     cloth.held = scene.diaphragm.held
     return outcome.residual
-
-
-class Step(Protocol):
-    """A time step that can be tried with a shorter ``dt`` if it fails."""
-
-    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
-        """Solve a step from ``time`` to ``time + dt`` [s]; whether it is good enough.
-
-        Raises ArithmeticError or ``StepFailed``.
-        """
-
-    def accept(self) -> None:
-        """Commit the last attempt."""
-
-
-class DryStep:
-    """The step of a diaphragm under a hydrostatic load alone."""
-
-    def __init__(self, cloth: Diaphragm) -> None:
-        self.cloth = cloth
-
-    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
-        """See ``Step``."""
-        self.cloth.begin_step(dt, load)
-        self.cloth.solve(np.zeros_like(self.cloth.reference))
-        return self.cloth.converged
-
-    def accept(self) -> None:
-        """See ``Step``."""
-        self.cloth.accept_step()
-
-
-def advance(
-    step: Step,
-    now: float,
-    dt: float,
-    load: Callable[[float, float], HydrostaticLoad],
-    *,
-    halvings: int = HALVINGS,
-    taken: Callable[[float], None] = lambda _: None,
-) -> int:
-    """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(start, end)``; parts it took.
-
-    A step that does not converge is taken again as two of half its length, ``halvings`` times at
-    most; the last is accepted as it is, unless it fails. Raises its ArithmeticError or
-    ``StepFailed`` then. ``taken`` is told the length [s] of every part, once accepted.
-    """
-    try:
-        good = step.attempt(now, dt, load(now, now + dt)) or halvings == 0
-    except (ArithmeticError, StepFailed) as failure:
-        if halvings == 0:
-            raise
-        _log.info("t = %.6g s: a step of %.3g s is taken as two: %s", now + dt, dt, failure)
-        good = False
-    if good:
-        step.accept()
-        taken(dt)
-        return 1
-    half = 0.5 * dt
-    first = advance(step, now, half, load, halvings=halvings - 1, taken=taken)
-    return first + advance(step, now + half, half, load, halvings=halvings - 1, taken=taken)
-
-
-def liquid_cg(position: Array, triangles: Ints, radius: float, volume: float) -> Array:
-    """Centre of gravity (3,) [m] of the liquid below the diaphragm at ``position`` (n, 3) [m].
-
-    The lower half ball of ``radius`` [m] and the cone from the diaphragm to the tank's centre, of
-    ``volume`` [m^3] together. Exact for the triangles.
-    """
-    a, b, c = (position[triangles[:, k]] for k in range(3))
-    cone = np.einsum("mx,mx->m", a, np.cross(b, c)) / 6.0
-    moment = cone @ (a + b + c) / 4.0
-    moment[2] -= np.pi * radius**4 / 4.0
-    return np.asarray(moment / volume)

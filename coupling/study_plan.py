@@ -10,7 +10,7 @@ from typing import Any
 
 from cloth.thesis.grid import SIZE
 from coupling.foam.mesh import cells_halved, cells_made
-from coupling.metrics.uncertainty import FLOW_ORDER, LIMIT_ORDER, SHEET_ORDER, STEP_ORDER
+from coupling.orders import FLOW_ORDER, LIMIT_ORDER, SHEET_ORDER, STEP_ORDER
 from coupling.scene import Scene, SceneError, plain_values, scene_from, with_overrides
 from coupling.scene_sections import LADDER
 

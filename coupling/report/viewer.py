@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib import colormaps
 
-from coupling.numbers import level_of_fill_fraction
+from coupling.liquid_shape import level_of_fill_fraction
 from coupling.ports import Array
 from coupling.report.files import RunFiles
 from coupling.report.instants import views

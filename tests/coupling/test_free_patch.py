@@ -12,7 +12,7 @@ from coupling.foam.geometry import face_centres_and_areas
 from coupling.foam.mesh import half_ball
 from coupling.free_patch import ROUNDS, FreePatch
 from coupling.interface import cross, pressure_force, swept_gradient
-from coupling.numbers import level_of_fill_fraction
+from coupling.liquid_shape import level_of_fill_fraction
 
 RADIUS = 0.4445
 SHELL = 4 / 3 * np.pi * RADIUS**3

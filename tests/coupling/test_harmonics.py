@@ -6,7 +6,7 @@ import pytest
 from cloth.mesh import hemisphere
 from coupling.inviscid.harmonics import SolidHarmonics
 from coupling.inviscid.ritz import RitzLiquid, cone_integral, hemisphere_samples, lower_hemisphere
-from coupling.structure import liquid_cg
+from coupling.liquid_shape import liquid_cg
 
 RADIUS = 0.4445
 SEED = np.random.default_rng(20)

@@ -7,7 +7,7 @@ from test_structure import GRAVITY, RADIUS, scene
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.liquid import flow_of, load_model, start_flow
-from coupling.numbers import level_of_fill_fraction
+from coupling.liquid_shape import level_of_fill_fraction
 from coupling.structure import diaphragm_of, settle_diaphragm
 
 

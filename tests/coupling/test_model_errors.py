@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coupling.metrics.uncertainty import FLOW_ORDER
 from coupling.model_errors import (
     DAMPING,
     LADDER,
@@ -18,6 +17,7 @@ from coupling.model_errors import (
     inertia_left_out,
     inertia_wrong,
 )
+from coupling.orders import FLOW_ORDER
 from coupling.scene import scene_from
 
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
+from coupling.liquid_shape import fill_fraction_of_level, level_of_fill_fraction
 from coupling.numbers import (
     added_mass_ratio,
     bond_number,
-    fill_fraction_of_level,
     froude_number,
     hydrostatic_error,
-    level_of_fill_fraction,
     membrane_parameter,
     numbers_of,
     slosh_eigenvalue,

@@ -10,7 +10,8 @@ from coupling.motion import motion_of
 from coupling.potential_step import GAIN, PotentialStep
 from coupling.results import read_results
 from coupling.scene import Scene, scene_from
-from coupling.structure import advance, diaphragm_of, settle_diaphragm
+from coupling.structure import diaphragm_of, settle_diaphragm
+from coupling.substeps import advance
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 

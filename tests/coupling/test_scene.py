@@ -9,16 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from coupling.scene import (
-    Scene,
-    SceneError,
-    load_scene,
-    scene_from,
-    scene_toml,
-    with_overrides,
-    write_scene,
-)
+from coupling.scene import Scene, SceneError, load_scene, scene_from, scene_toml, with_overrides
 from coupling.scene_content import content_of
+from coupling.scene_file import write_scene
 from coupling.scene_numerics import Time
 
 PAD_SWAY = """\

@@ -10,7 +10,8 @@ import pytest
 from coupling.ports import RunFailed
 from coupling.scene import Scene, scene_from
 from coupling.strength import burst_warning, stress_estimate
-from coupling.structure import DryStep, advance, diaphragm_of
+from coupling.structure import diaphragm_of
+from coupling.substeps import DryStep, advance
 from coupling.tally import Tally
 
 

@@ -10,14 +10,10 @@ from cloth.mesh import hemisphere
 from cloth.thesis.sheet import ThesisSheet
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
+from coupling.liquid_shape import liquid_cg
 from coupling.ports import RunFailed
 from coupling.scene import load_scene, scene_from
-from coupling.structure import (
-    COMPRESSIVE,
-    diaphragm_of,
-    liquid_cg,
-    settle_diaphragm,
-)
+from coupling.structure import COMPRESSIVE, diaphragm_of, settle_diaphragm
 
 RADIUS = 0.4445
 CASES = Path(__file__).parents[2] / "foam_cases"

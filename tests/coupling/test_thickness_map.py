@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from coupling.numbers import numbers_of
-from coupling.scene import SceneError, load_scene, with_overrides, write_scene
+from coupling.scene import SceneError, load_scene, with_overrides
 from coupling.scene_content import content_of
+from coupling.scene_file import write_scene
 from coupling.structure import diaphragm_of
 from coupling.table_text import TableError
 from coupling.thickness_map import ThicknessMap, read_thickness_map
