@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from coupling.finite_volume.geometry import CellGeometry
+from coupling.finite_volume.mesh import LiquidMesh
+from coupling.finite_volume.wall import WallFlow
 from coupling.fluids.gauge import largest_rate
-from coupling.foam.geometry import CellGeometry
-from coupling.foam.mesh import LiquidMesh
-from coupling.foam.wall import WallFlow
 from coupling.ports import Array, FlowSample
 
 

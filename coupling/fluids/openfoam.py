@@ -13,16 +13,16 @@ from pathlib import Path
 
 import numpy as np
 
+from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
+from coupling.finite_volume.following import FollowingMesh
+from coupling.finite_volume.geometry import CellGeometry
+from coupling.finite_volume.gradients import wall_pressure
+from coupling.finite_volume.mesh import LiquidMesh
+from coupling.finite_volume.rates import FluxRate
+from coupling.finite_volume.wall import cell_distance, wall_flow
 from coupling.fluids.flow_sample import flow_sample
-from coupling.foam.added_mass import NeumannLaplacian, added_mass
-from coupling.foam.following import FollowingMesh
-from coupling.foam.geometry import CellGeometry
-from coupling.foam.gradients import wall_pressure
 from coupling.foam.keepalive import case_of
-from coupling.foam.mesh import LiquidMesh
 from coupling.foam.process import OpenFoam
-from coupling.foam.rates import FluxRate
-from coupling.foam.wall import cell_distance, wall_flow
 from coupling.ports import (
     AddedMass,
     AnyArray,

@@ -1,1 +1,1 @@
-"""The only place that knows OpenFOAM: case, mesh, fields and process."""
+"""The only place that knows OpenFOAM: case, fields, processes, pipes, and its own solver."""

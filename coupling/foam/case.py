@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coupling.finite_volume.mesh import LiquidMesh
 from coupling.foam import fields
 from coupling.foam.logs import read_log
-from coupling.foam.mesh import LiquidMesh
 from coupling.foam.parts import Part, decompose, decomposed, is_spread, whole
 from coupling.foam.process import OpenFoam, OpenFoamFailed, run_program
 from coupling.foam.pyfoam import ParsedParameterFile

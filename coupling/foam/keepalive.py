@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from coupling.finite_volume.mesh import LiquidMesh
 from coupling.foam.case import Case
-from coupling.foam.mesh import LiquidMesh
 from coupling.foam.parts import gathered
 from coupling.foam.pipes import ADVANCE, REPEAT, WRITE, Frame, Pipes
 from coupling.foam.process import OpenFoam, OpenFoamFailed

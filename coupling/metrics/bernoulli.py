@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from coupling.numbers import potential_to_kinetic
+from coupling.estimate.numbers import potential_to_kinetic
 from coupling.ports import Array, Ints
 
 

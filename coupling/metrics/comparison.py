@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.material import material_interpolation
 from coupling.ports import Array, Ints
-from coupling.results import Results
+from coupling.store.results import Results
 
 Errors = dict[str, float | None]
 NAMES = ("shape_rms", "cg_amplitude", "cg_phase_deg", "force_amplitude", "pressure_rms")

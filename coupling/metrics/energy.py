@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coupling.ports import Array
-from coupling.results import Results
+from coupling.store.results import Results
 
 SHARES = {
     "liquid_J": "dissipated_by_liquid",
@@ -31,7 +31,7 @@ def rest(metrics: dict[str, Array]) -> Array:
 
 
 def energy_summary(results: Results, frequency: float | None, periods: int) -> dict[str, Any]:
-    """Energies [J] of a run, from the balance that ``coupling.energy`` sums over every step.
+    """Energies [J] of a run, from the balance that ``coupling.run.energy`` sums over every step.
 
     ``work_J`` and ``dissipated_J`` since the start; ``peak_J``: the largest mechanical energy above
     the start's, of liquid and sheet. ``per_period``: means over the last ``periods`` of

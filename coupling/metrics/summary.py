@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from coupling.atomic import plain
+from coupling.estimate.strength import strength_verdict, stress_estimate
 from coupling.metrics import bernoulli
 from coupling.metrics.energy import energy_summary
 from coupling.metrics.forces import momentum_imbalance
@@ -21,10 +21,10 @@ from coupling.metrics.strains import quantile
 from coupling.metrics.transfer import tank_phasor, transfer
 from coupling.metrics.viscosity import layer_resolution
 from coupling.ports import Array
-from coupling.results import Results
-from coupling.run_record import RunStatistics
-from coupling.scene import Scene
-from coupling.strength import strength_verdict, stress_estimate
+from coupling.scene.scene import Scene
+from coupling.store.atomic import plain
+from coupling.store.results import Results
+from coupling.store.run_record import RunStatistics
 
 
 def summarise(

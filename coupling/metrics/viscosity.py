@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coupling.results import Results
+from coupling.store.results import Results
 
 
 def stokes_layer(viscosity: float, frequency: float) -> float:

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from coupling.iteration_log import read_iterations
 from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.summary import summarise
 from coupling.ports import Array
-from coupling.results import Results, read_results
-from coupling.run_record import RunStatistics, read_summary
-from coupling.scene import Scene, load_scene
+from coupling.scene.scene import Scene, load_scene
+from coupling.store.iteration_log import read_iterations
+from coupling.store.results import Results, read_results
+from coupling.store.run_record import RunStatistics, read_summary
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from coupling.ports import Array
 from coupling.report.section_cut import horizontal
 from coupling.report.style import GREY, INK, LIGHT, house_style
-from coupling.results import Results
+from coupling.store.results import Results
 
 ELEVATION = 20.0
 DIVERGING, SEQUENTIAL = "RdBu_r", "YlGnBu"  # colours of p*, and of the net pressure

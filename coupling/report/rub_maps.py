@@ -12,7 +12,7 @@ from coupling.ports import Array
 from coupling.report.files import RunFiles
 from coupling.report.page import Picture
 from coupling.report.style import GREY, INK, new_figure, svg
-from coupling.results import Results
+from coupling.store.results import Results
 
 _DPI = 200  # of the colours, which are an image; lines and letters are not
 _LABELS = np.array([np.cos(np.radians(67.5)), np.sin(np.radians(67.5))])  # between two lines

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from coupling.foam.mesh import cells_made
-from coupling.numbers import numbers_of
+from coupling.estimate.numbers import numbers_of
+from coupling.estimate.strength import strength_verdict
+from coupling.finite_volume.mesh import cells_made
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
-from coupling.strength import strength_verdict
 
 
 def scene_tables(run: RunFiles) -> list[Table]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coupling.numbers import numbers_of
+from coupling.estimate.numbers import numbers_of
 from coupling.report.files import RunFiles
 from coupling.report.page import number, percent, ratio
 

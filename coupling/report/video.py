@@ -27,7 +27,7 @@ from coupling.report.picture import (
     pressure_scale,
 )
 from coupling.report.style import GREY, INK, LIGHT, house_style
-from coupling.results import Results
+from coupling.store.results import Results
 
 VIDEOS = frozenset({".gif", ".mp4"})
 _INSTANTS = 100  # at most

@@ -16,13 +16,13 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib import colormaps
 
-from coupling.liquid_shape import level_of_fill_fraction
+from coupling.interface.liquid_shape import level_of_fill_fraction
 from coupling.ports import Array
 from coupling.report.files import RunFiles
 from coupling.report.instants import views
 from coupling.report.page import Section
 from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
-from coupling.results import Results
+from coupling.store.results import Results
 
 INSTANTS = 60  # at most, of a period
 BYTES = 8_000_000  # of all runs' arrays, before base64 adds a third

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from coupling.atomic import read_json, write_text
 from coupling.report.files import read_run
 from coupling.report.page import html
 from coupling.report.run_report import run_page
 from coupling.report.study_report import study_page
 from coupling.report.style import house_style
 from coupling.report.sweep_report import sweep_page
+from coupling.store.atomic import read_json, write_text
 
 FILE = "report.html"
 _OF_SWEEP = {

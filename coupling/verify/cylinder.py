@@ -11,12 +11,12 @@ import numpy as np
 from scipy.special import jnp_zeros, jv
 from threadpoolctl import threadpool_limits
 
+from coupling.finite_volume.geometry import fan_volume
+from coupling.finite_volume.mesh import LiquidMesh
 from coupling.fluids.openfoam import OpenFoamFlow
-from coupling.foam.geometry import fan_volume
+from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.fluids.potential.ritz import RitzLiquid, wall_integral
 from coupling.foam.installation import find_openfoam
-from coupling.foam.mesh import LiquidMesh
-from coupling.inviscid.harmonics import SolidHarmonics
-from coupling.inviscid.ritz import RitzLiquid, wall_integral
 from coupling.ports import Array, Ints
 from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.disc import disc_grid

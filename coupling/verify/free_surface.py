@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, null_space
 
-from coupling.interface import swept_gradient
+from coupling.finite_volume.swept import swept_gradient
 from coupling.ports import Array, HydrostaticLoad, Ints
 
 LUMPED = 0.05

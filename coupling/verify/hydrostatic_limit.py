@@ -6,8 +6,8 @@ from time import perf_counter
 
 import numpy as np
 
+from coupling.estimate.numbers import numbers_of
 from coupling.metrics.summary import harmonics
-from coupling.numbers import numbers_of
 from coupling.ports import RunFailed
 from coupling.verify.case import VerifyResult, quantity
 from coupling.verify.sheets import within

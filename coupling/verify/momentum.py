@@ -9,17 +9,17 @@ from time import perf_counter
 
 import numpy as np
 
-from coupling.convergence import Convergence
-from coupling.coupled_step import CoupledStep
+from coupling.finite_volume.geometry import cell_geometry
+from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.fields import read_cells, read_points
-from coupling.foam.geometry import cell_geometry
 from coupling.foam.installation import find_openfoam
-from coupling.foam.mesh import half_ball
-from coupling.mapping import Matching
-from coupling.motion import SineMotion
+from coupling.interface.mapping import Matching
+from coupling.motion.kinds import SineMotion
 from coupling.ports import Array, HydrostaticLoad, RunFailed
 from coupling.schemes import scheme_named
+from coupling.step.convergence import Convergence
+from coupling.step.coupled import CoupledStep
 from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
 from coupling.verify.sheets import within

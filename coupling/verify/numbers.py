@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from coupling.numbers import bond_number, potential_to_kinetic, weber_number
+from coupling.estimate.numbers import bond_number, potential_to_kinetic, weber_number
 from coupling.verify.case import VerifyResult, quantity
 
 _INCH = 0.0254

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from coupling.convergence import Convergence
-from coupling.coupled_step import CoupledStep
+from coupling.finite_volume.mesh import LiquidMesh, assemble
 from coupling.fluids.openfoam import OpenFoamFlow
 from coupling.foam.installation import find_openfoam
-from coupling.foam.mesh import LiquidMesh, assemble
-from coupling.mapping import Matching
+from coupling.interface.mapping import Matching
 from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed
 from coupling.schemes import scheme_named
+from coupling.step.convergence import Convergence
+from coupling.step.coupled import CoupledStep
 from coupling.verify.case import CaseError, VerifyResult, quantity
 
 LENGTH, WIDTH, DENSITY = 1.0, 0.25, 1000.0  # of the column [m], [kg/m^3]

@@ -17,10 +17,10 @@ from cloth.bending import bending_of
 from cloth.flat import disc
 from cloth.material import Diaphragm, diaphragm
 from cloth.mesh import Mesh, lumped
-from coupling.inviscid.harmonics import SolidHarmonics
-from coupling.inviscid.ritz import RitzLiquid, lower_hemisphere
+from coupling.estimate.sloshing_modes import surface_inertia
+from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.fluids.potential.ritz import RitzLiquid, lower_hemisphere
 from coupling.ports import Array
-from coupling.sloshing_modes import surface_inertia
 from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.sheets import within
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.inviscid.harmonics import SolidHarmonics
-from coupling.inviscid.ritz import RitzLiquid, cap_samples, wall_integral
+from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.fluids.potential.ritz import RitzLiquid, cap_samples, wall_integral
 from coupling.ports import Array, HydrostaticLoad
 from coupling.verify.disc import disc_grid
 from coupling.verify.free_surface import FreeSurface

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.foam.mesh import LiquidMesh, assemble
+from coupling.finite_volume.mesh import LiquidMesh, assemble
 from coupling.ports import Array, Ints
 from coupling.verify.disc import disc_grid
 

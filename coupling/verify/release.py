@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import least_squares
 
-from coupling.convergence import Convergence
-from coupling.coupled_step import CoupledStep
-from coupling.mapping import Matching
+from coupling.interface.mapping import Matching
 from coupling.ports import Array, Flow, HydrostaticLoad, RunFailed
 from coupling.schemes import scheme_named
+from coupling.step.convergence import Convergence
+from coupling.step.coupled import CoupledStep
 from coupling.verify.free_surface import FreeSurface
 
 

@@ -12,12 +12,12 @@ from scipy.spatial import cKDTree
 from scipy.special import jnp_zeros, jv
 from threadpoolctl import threadpool_limits
 
+from coupling.estimate.sloshing_modes import lateral_eigenvalue
+from coupling.finite_volume.geometry import fan_volume
+from coupling.finite_volume.mesh import LiquidMesh, half_ball, shell_shares
 from coupling.fluids.openfoam import OpenFoamFlow
-from coupling.foam.geometry import fan_volume
 from coupling.foam.installation import find_openfoam
-from coupling.foam.mesh import LiquidMesh, half_ball, shell_shares
 from coupling.ports import Array
-from coupling.sloshing_modes import lateral_eigenvalue
 from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
 from coupling.verify.potential_slosh import level_liquid, released

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from coupling.driver import run
 from coupling.ports import RunFailed
-from coupling.results import Results, read_results
-from coupling.scene import Scene, scene_from
+from coupling.run.driver import run
+from coupling.scene.scene import Scene, scene_from
+from coupling.store.results import Results, read_results
 
 RADIUS, DENSITY, FILL_FRACTION = 0.4445, 1000.0, 0.8
 

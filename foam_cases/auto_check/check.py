@@ -15,11 +15,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from coupling.campaign.study import run_or_reuse
+from coupling.estimate.model_errors import FEWER, LADDER, choose, grid_error
+from coupling.estimate.numbers import numbers_of
 from coupling.metrics.comparison import cg_motion
-from coupling.model_errors import FEWER, LADDER, choose, grid_error
-from coupling.numbers import numbers_of
-from coupling.scene import Scene, load_scene, with_overrides
-from coupling.study import run_or_reuse
+from coupling.scene.scene import Scene, load_scene, with_overrides
 
 HERE = Path(__file__).parent
 BASE = HERE.parent / "sway_map" / "scene.toml"

@@ -2,7 +2,7 @@
 
     python foam_cases/sway_map/draw.py
 
-From coupling/model_errors.csv, which `gather.py` makes.
+From coupling/estimate/model_errors.csv, which `gather.py` makes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from coupling.model_errors import DATA, read_rows
+from coupling.estimate.model_errors import DATA, read_rows
 
 MARKS = {"hydrostatic": "o", "potential": "^"}
 PICTURE = Path(__file__).with_name("errors.png")
@@ -21,7 +21,7 @@ PICTURE = Path(__file__).with_name("errors.png")
 
 def main(picture: Path = PICTURE) -> None:
     """Draw it into ``picture``."""
-    rows = read_rows((files("coupling") / DATA).read_text(encoding="utf-8").splitlines())
+    rows = read_rows((files("coupling.estimate") / DATA).read_text(encoding="utf-8").splitlines())
     figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
     for model, mark in MARKS.items():
         chosen = [row for row in rows if row.model == model]

@@ -1,6 +1,6 @@
 """Gathers what sweeps found into the data that `edt check` and `model.fluid = "auto"` rest on.
 
-    python foam_cases/sway_map/gather.py SWEEP [SWEEP ...] > coupling/model_errors.csv
+    python foam_cases/sway_map/gather.py SWEEP [SWEEP ...] > coupling/estimate/model_errors.csv
 
 SWEEP is a folder that `edt sweep` wrote. A model of a point is a row, against the next one up that
 completed there. A sweep over ``openfoam.cells`` of N/2 and N also gives the grid's own error on N,
@@ -18,8 +18,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from coupling.estimate.model_errors import CELLS, COLUMNS, FEWER, LADDER, grid_error
 from coupling.metrics.comparison import cg_motion
-from coupling.model_errors import CELLS, COLUMNS, FEWER, LADDER, grid_error
 
 
 def model_rows(point: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

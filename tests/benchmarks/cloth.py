@@ -41,11 +41,11 @@ from cloth.settle import settle
 from cloth.step import Cloth
 from cloth.thesis.grid import thesis_grid
 from cloth.thesis.sheet import ThesisSheet
-from coupling.liquid_shape import level_of_fill_fraction, liquid_cg
+from coupling.interface.liquid_shape import level_of_fill_fraction, liquid_cg
 from coupling.metrics.harmonic import first_harmonic, last_whole_periods
 from coupling.ports import Array, HydrostaticLoad
-from coupling.scene_numerics import Cloth as ClothSection
-from coupling.structure import BUCKLING
+from coupling.scene.numerics import Cloth as ClothSection
+from coupling.structure.diaphragm import BUCKLING
 from coupling.verify.static_level import level_height, roundness
 
 RADIUS, THICKNESS, FILL, DENSITY = 0.4445, 1.778e-3, 0.8, 1000.0

@@ -23,11 +23,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from coupling.finite_volume.mesh import LiquidMesh, half_ball
 from coupling.foam.case import Case
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.installation import find_openfoam
 from coupling.foam.keepalive import case_of
-from coupling.foam.mesh import LiquidMesh, half_ball
 from coupling.foam.process import OpenFoam, run_program
 from coupling.ports import Array
 

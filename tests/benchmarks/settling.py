@@ -18,8 +18,8 @@ import numpy as np
 from cloth.settle import settle
 from cloth.step import Cloth
 from coupling.ports import HydrostaticLoad
-from coupling.scene import Scene
-from coupling.structure import diaphragm_of
+from coupling.scene.scene import Scene
+from coupling.structure.diaphragm import diaphragm_of
 
 STEP, STEPS = 0.005, 10
 TANK = {

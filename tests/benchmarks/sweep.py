@@ -24,8 +24,8 @@ sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken 
 
 import psutil
 
-from coupling.sweep import run_sweep
-from coupling.sweep_plan import Plan, parse_axis, plan_sweep
+from coupling.campaign.sweep import run_sweep
+from coupling.campaign.sweep_plan import Plan, parse_axis, plan_sweep
 
 SCENE = Path(__file__).parents[2] / "foam_cases" / "sway_map"
 OVER = ("motion.frequency=0.2:2:10:log", "liquid.fill_fraction=0.6:0.9:6")

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from coupling.ports import Array, Ints
-from coupling.results import ResultsWriter
-from coupling.run_record import RunStatistics, Sample
-from coupling.scene import Scene, scene_from
+from coupling.scene.scene import Scene, scene_from
+from coupling.store.results import ResultsWriter
+from coupling.store.run_record import RunStatistics, Sample
 
 RADIUS, FREQUENCY, AMPLITUDE, DENSITY, GRAVITY = 0.4, 1.25, 0.1, 1000.0, 9.81
 OMEGA = 2.0 * np.pi * FREQUENCY

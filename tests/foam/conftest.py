@@ -16,7 +16,7 @@ from coupling.foam.debian_source import NoHeaders
 from coupling.foam.installation import find_openfoam
 from coupling.foam.process import OpenFoam
 
-EDT = [sys.executable, "-c", "from coupling.cli import main; main()"]
+EDT = [sys.executable, "-c", "from coupling.cli.main import main; main()"]
 SCENE = """\
 [tank]
 radius = 0.4445

@@ -12,15 +12,15 @@ from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
 from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
 
 from cloth.inertia import kinematics
+from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
+from coupling.finite_volume.geometry import cell_geometry, fan_volume, non_orthogonality
+from coupling.finite_volume.gradients import wall_distance
+from coupling.finite_volume.mesh import half_ball
+from coupling.finite_volume.swept import pressure_force
 from coupling.fluids.openfoam import OpenFoamFlow
-from coupling.foam.added_mass import NeumannLaplacian, added_mass
 from coupling.foam.fields import read_cells, read_points
-from coupling.foam.geometry import cell_geometry, fan_volume, non_orthogonality
-from coupling.foam.gradients import wall_distance
 from coupling.foam.installation import find_openfoam
-from coupling.foam.mesh import half_ball
 from coupling.foam.process import run_program
-from coupling.interface import pressure_force
 
 pytestmark = pytest.mark.openfoam
 

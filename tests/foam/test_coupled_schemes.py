@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from coupling.driver import run
 from coupling.fluids.openfoam import OpenFoamFlow
-from coupling.iteration_log import read_iterations
 from coupling.ports import StepFailed
-from coupling.results import read_results
-from coupling.scene import scene_from
-from coupling.surrogate import surrogate_iterate
+from coupling.run.driver import run
+from coupling.scene.scene import scene_from
+from coupling.step.surrogate import surrogate_iterate
+from coupling.store.iteration_log import read_iterations
+from coupling.store.results import read_results
 
 pytestmark = pytest.mark.openfoam
 
@@ -49,7 +49,7 @@ def test_added_mass_needs_few_iterations(best):
 
 
 def test_a_map_made_anew_within_the_step_leads_to_the_same_motion(best, tmp_path, monkeypatch):
-    monkeypatch.setattr("coupling.coupled_step.SLOW", 0)
+    monkeypatch.setattr("coupling.step.coupled.SLOW", 0)
     summary, folder = coupled(tmp_path, "added-mass")
     assert summary["status"] == "completed"
     assert summary["coupling"]["unconverged_steps"] == 0
@@ -68,8 +68,8 @@ def test_the_surrogate_leads_to_the_same_motion(best, tmp_path, monkeypatch):
         solved.append(found is not None)
         return found
 
-    monkeypatch.setattr("coupling.coupled_step.surrogate_iterate", watched)
-    monkeypatch.setattr("coupling.coupled_step.RATE", 1e-3)  # no scheme's iteration is so fast
+    monkeypatch.setattr("coupling.step.coupled.surrogate_iterate", watched)
+    monkeypatch.setattr("coupling.step.coupled.RATE", 1e-3)  # no scheme's iteration is so fast
     summary, folder = coupled(tmp_path, "added-mass", 1e-7)
     assert summary["coupling"]["unconverged_steps"] == 0
     assert solved == [True] * 3  # in the third iteration of every step

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from test_case import check_mesh, figure
 
-from coupling.liquid import flow_of, load_model, start_flow
-from coupling.scene import scene_from
-from coupling.structure import diaphragm_of, settle_diaphragm
+from coupling.fluids.liquid import flow_of, load_model, start_flow
+from coupling.scene.scene import scene_from
+from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
 pytestmark = pytest.mark.openfoam
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coupling.driver import run
 from coupling.fluids.gauge import largest_rate
-from coupling.results import read_results
-from coupling.scene import load_scene
+from coupling.run.driver import run
+from coupling.scene.scene import load_scene
+from coupling.store.results import read_results
 
 CASE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"
 SMALL = ("cloth.resolution=8", "openfoam.cells=176", "time.duration=0.05", "time.output_every=1")

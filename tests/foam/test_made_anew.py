@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from test_case import RADIUS, STEP, flow_at_rest, moved
 
+from coupling.finite_volume.geometry import cell_geometry
 from coupling.foam.fields import read_cells
-from coupling.foam.geometry import cell_geometry
 
 pytestmark = pytest.mark.openfoam
 

@@ -6,12 +6,12 @@ import subprocess
 import numpy as np
 import pytest
 
-from coupling.cost import fields_size
-from coupling.driver import resume, run
+from coupling.estimate.cost import fields_size
 from coupling.foam.case import Case
 from coupling.foam.fields import read_cells
-from coupling.results import read_results
-from coupling.scene import load_scene
+from coupling.run.driver import resume, run
+from coupling.scene.scene import load_scene
+from coupling.store.results import read_results
 
 pytestmark = pytest.mark.openfoam
 

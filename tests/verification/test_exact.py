@@ -6,10 +6,10 @@ from scipy.linalg import eigh
 from scipy.special import jnp_zeros
 
 from cloth.material import diaphragm
-from coupling.foam.added_mass import NeumannLaplacian, added_mass
-from coupling.foam.geometry import cell_geometry
-from coupling.foam.mesh import half_ball
-from coupling.sloshing_modes import covered_eigenvalue, lateral_eigenvalue
+from coupling.estimate.sloshing_modes import covered_eigenvalue, lateral_eigenvalue
+from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
+from coupling.finite_volume.geometry import cell_geometry
+from coupling.finite_volume.mesh import half_ball
 from coupling.verify import CaseError, run_case
 from coupling.verify.cylinder import Tank
 from coupling.verify.plate import plate_frequency

@@ -1,0 +1,201 @@
+"""What a study runs: the rows of its table, and each of them less resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cloth.thesis.grid import SIZE
+from coupling.estimate.orders import FLOW_ORDER, LIMIT_ORDER, SHEET_ORDER, STEP_ORDER
+from coupling.finite_volume.mesh import cells_halved, cells_made
+from coupling.scene.scene import Scene, SceneError, plain_values, scene_from, with_overrides
+from coupling.scene.sections import LADDER
+
+THESIS = "thesis"
+STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own diaphragm is not
+ROWS = (*LADDER, THESIS, *STRETCH.values())
+AS_RUN, COARSER = "as_run", "coarser_grid"
+DOUBLED, HALVED = "doubled_step", "halved_step"
+STIFFER = "doubled_stiffness"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One run of a study: a row of its table at one resolution."""
+
+    row: str
+    resolution: str
+    scene: Scene
+
+    @property
+    def place(self) -> Path:
+        """Its folder within the study's."""
+        if self.resolution == AS_RUN:
+            return Path(self.row)
+        return Path("discretisation") / self.row / self.resolution
+
+
+def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
+    """The scene with each of ``models``, the cheapest first. ``SceneError`` where it takes none."""
+
+    def with_model(model: str) -> Scene:
+        return scene_from(plain_values(_with(scene, "model", fluid=model)), f"--models {model}")
+
+    return [
+        Entry(row=model, resolution=AS_RUN, scene=with_model(model))
+        for model in sorted(models, key=LADDER.index)
+    ]
+
+
+def thesis_row(scene: Scene) -> Entry:
+    """The scene on the thesis' own grid, with its own algorithm and steps of its own length.
+
+    It knows no loss of the rubber's and no friction.
+
+    ``SceneError`` where that cannot be, as with a thickness map.
+    """
+    changes = (
+        'cloth.grid="thesis"', f"cloth.resolution={SIZE}", 'cloth.wrinkling="relaxed"',
+        'model.fluid="datum"', 'diaphragm.rim="hinged"', "diaphragm.inextensible=true",
+        "diaphragm.loss_factor=0", "diaphragm.friction_shell=0", "diaphragm.friction_self=0",
+    )  # fmt: skip
+    return Entry(row=THESIS, resolution=AS_RUN, scene=with_overrides(scene, changes))
+
+
+def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
+    """The scene with a diaphragm that stretches, or does not where the scene's own does.
+
+    On the highest of ``models`` but openfoam, for the cost: what stretching does is read against
+    the same model, not against the reference. Without the rubber's loss, of which a diaphragm that
+    does not stretch has none. ``SceneError`` where the scene cannot stretch.
+    """
+    cheap = [model for model in models if model != "openfoam"] or list(models)
+    stiff = scene.diaphragm.inextensible
+    changed = _with(scene, "model", fluid=max(cheap, key=LADDER.index))
+    return Entry(
+        row=stretch_name(scene),
+        resolution=AS_RUN,
+        scene=scene_from(
+            plain_values(_with(changed, "diaphragm", inextensible=not stiff, loss_factor=0.0))
+        ),
+    )
+
+
+def planned_runs(scene: Scene, models: Sequence[str], *, quick: bool) -> dict[Path, Scene]:
+    """The scene of each run that a study may make, by its folder within the study's.
+
+    Which row is the reference shows only later, so a ``quick`` one has all less resolved runs.
+    """
+    rows, beside = ladder_rows(scene, models), []
+    if not quick:
+        with suppress(SceneError):  # no such row then
+            rows.append(thesis_row(scene))
+        with suppress(SceneError):
+            beside = [stretch_row(scene, models)]
+    finer = [*less_resolved(rows), *stiffer(rows)]
+    return {entry.place: entry.scene for entry in [*rows, *beside, *finer]}
+
+
+def stretch_name(scene: Scene) -> str:
+    """Name of the row of ``stretch_row``."""
+    return STRETCH[scene.diaphragm.inextensible]
+
+
+def less_resolved(entries: Iterable[Entry]) -> list[Entry]:
+    """Each of ``entries`` as ``coarser_scenes`` has it."""
+    return [
+        Entry(row=entry.row, resolution=resolution, scene=variant)
+        for entry in entries
+        for resolution, variant in coarser_scenes(entry.scene).items()
+    ]
+
+
+def stiffer(entries: Iterable[Entry]) -> list[Entry]:
+    """Each of ``entries`` whose sheet is inextensible, with ``cloth.stiffness`` doubled."""
+    return [
+        Entry(
+            row=entry.row,
+            resolution=STIFFER,
+            scene=_with(entry.scene, "cloth", stiffness=2.0 * entry.scene.cloth.stiffness),
+        )
+        for entry in entries
+        if _has_limit(entry.scene)
+    ]
+
+
+def _has_limit(scene: Scene) -> bool:
+    """Whether the scene's sheet stands for an inextensible one by its stiffness."""
+    return scene.diaphragm.inextensible and scene.cloth.grid == "rings"
+
+
+def coarser_scenes(scene: Scene) -> dict[str, Scene]:
+    """The scene with half the cells, and with the doubled step; the output's instants stay.
+
+    A step that a scene may not have is halved instead: a motion takes 20 steps in a period, a
+    table reaches to the last one's end. A coarser grid that may not be is left out.
+
+    Half the cells are the flow's where there is one, as near as its meshes come to that, else half
+    the diaphragm's triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it
+    has no other.
+    """
+    if scene.model.fluid == "openfoam":
+        grid = _with(scene, "openfoam", cells=cells_halved(scene.openfoam.cells))
+    else:
+        grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
+    variants = {COARSER: grid} if _is_valid(grid) else {}
+    if scene.cloth.grid == "thesis":
+        return variants
+    every, kept = scene.time.output_every, scene.time.checkpoint_every
+    doubled = _with(
+        scene,
+        "time",
+        step=2.0 * scene.time.step,
+        output_every=every // 2 if every % 2 == 0 else every,
+        checkpoint_every=max(1, kept // 2),
+    )
+    if _is_valid(doubled):
+        return variants | {DOUBLED: doubled}
+    step = 0.5 * scene.time.step
+    halved = _with(scene, "time", step=step, output_every=2 * every, checkpoint_every=2 * kept)
+    return variants | {HALVED: halved}
+
+
+def _is_valid(scene: Scene) -> bool:
+    """Whether ``scene``, put together without a check, can be read again from its own file."""
+    try:
+        scene_from(plain_values(scene))
+    except SceneError:
+        return False
+    return True
+
+
+def _coarser_cloth(scene: Scene) -> int:
+    even = 2 if scene.cloth.grid == "thesis" else 1
+    return max(4, even * round(scene.cloth.resolution / (even * 2**0.5)))
+
+
+def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
+    """By which factor the reference's other runs are coarser, and the order of the error.
+
+    Those of ``coarser_scenes``, and the one of ``stiffer``, whose compliance is half the scene's.
+    """
+    variants = coarser_scenes(scene)
+    step = {DOUBLED: (2.0, STEP_ORDER), HALVED: (0.5, STEP_ORDER)}
+    if _has_limit(scene):
+        step[STIFFER] = (0.5, LIMIT_ORDER)
+    grid = variants.get(COARSER)
+    if grid is None:
+        return step
+    if scene.model.fluid == "openfoam":
+        fewer = cells_made(scene.openfoam.cells) / cells_made(grid.openfoam.cells)
+        coarser = fewer ** (1.0 / 3.0), FLOW_ORDER
+    else:
+        coarser = scene.cloth.resolution / grid.cloth.resolution, SHEET_ORDER
+    return {COARSER: coarser, **step}
+
+
+def _with(scene: Scene, section: str, **values: Any) -> Scene:
+    return scene.model_copy(update={section: getattr(scene, section).model_copy(update=values)})

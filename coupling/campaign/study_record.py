@@ -1,0 +1,182 @@
+"""What ``study.json`` says: made of the summaries and results of a study's runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry, coarsening
+from coupling.metrics.advice import advice, verdict
+from coupling.metrics.comparison import Errors, compare
+from coupling.metrics.pareto import pareto_front
+from coupling.metrics.uncertainty import below, error_bars
+from coupling.scene.sections import LADDER
+from coupling.store.results import read_results
+
+Summary = Mapping[str, Any]
+MEASURED = ("kinetic_ratio", "unsteady_ratio", "dynamic_fraction", "neglected_momentum")
+FIGURES_WITH_FRONT = ("shape_rms", "cg_amplitude", "force_amplitude", "pressure_rms")
+
+
+class StudyRecord:
+    """The runs of a study so far; ``folder`` is the study's, ``models`` those of the ladder."""
+
+    def __init__(self, folder: Path, models: Sequence[str]) -> None:
+        self.folder = folder
+        self.models = sorted(models, key=LADDER.index)
+        self._done: list[tuple[Entry, Summary]] = []
+        self._failed: dict[str, Summary] = {}
+        self._errors: dict[tuple[Path, str], Errors] = {}
+
+    def add(self, entry: Entry, summary: Summary) -> None:
+        """Take in a run that has ended, however."""
+        self._done.append((entry, summary))
+
+    def add_impossible(self, row: str, reason: str) -> None:
+        """Take in a row that there is no scene for."""
+        self._failed[row] = {"status": "failed", "error": reason}
+
+    @property
+    def reference(self) -> str | None:
+        """The highest rung that has not failed, done or still to come."""
+        alive = [m for m in self.models if self._status(m) in (None, "completed")]
+        return alive[-1] if alive else None
+
+    def completed(self) -> list[Entry]:
+        """The rows that have ended well as run, the stretching one left out."""
+        return [
+            entry
+            for entry, summary in self._done
+            if entry.resolution == AS_RUN
+            and entry.row not in STRETCH.values()
+            and summary.get("status") == "completed"
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """``study.json``."""
+        best = self.reference
+        own = {
+            entry.resolution: self._error(entry, summary, best)
+            for entry, summary in self._done
+            if entry.row == best and entry.resolution != AS_RUN
+        }
+        bars = error_bars(own, self._coarsening(best))
+        rows = {entry.row: self._row(entry, summary, bars) for entry, summary in self._as_run()}
+        rows |= {row: _no_row(summary) for row, summary in self._failed.items()}
+        return {
+            "reference": best,
+            "models": rows,
+            "discretisation": own,
+            "uncertainty": bars,
+            "bernoulli": self._bernoulli(best),
+            "points": self._points(),
+            "verdict": verdict(best, rows, bars),
+            "advice": advice(best, rows, bars),
+        }
+
+    def _as_run(self) -> list[tuple[Entry, Summary]]:
+        return [(entry, summary) for entry, summary in self._done if entry.resolution == AS_RUN]
+
+    def _found(self, row: str | None) -> tuple[Entry, Summary] | None:
+        return next((item for item in self._as_run() if item[0].row == row), None)
+
+    def _status(self, row: str) -> str | None:
+        found = self._found(row)
+        return None if found is None else str(found[1].get("status"))
+
+    def _coarsening(self, best: str | None) -> dict[str, tuple[float, float]]:
+        found = self._found(best)
+        return {} if found is None else coarsening(found[0].scene)
+
+    def _bernoulli(self, best: str | None) -> dict[str, dict[str, float | None]]:
+        """The reference's ratios, each with its own estimated error."""
+        found = self._found(best)
+        ratios = (found[1].get("bernoulli") or {}) if found else {}
+        measured = {name: value for name in MEASURED if (value := ratios.get(name)) is not None}
+        own = {
+            entry.resolution: {
+                name: abs(other - value)
+                for name, value in measured.items()
+                if (other := (summary.get("bernoulli") or {}).get(name)) is not None
+            }
+            for entry, summary in self._done
+            if entry.row == best and entry.resolution != AS_RUN
+        }
+        bars = error_bars(own, self._coarsening(best), list(measured))
+        return {
+            name: {"value": value, "uncertainty": bars[name]} for name, value in measured.items()
+        }
+
+    def _row(self, entry: Entry, summary: Summary, bars: Errors) -> dict[str, Any]:
+        best = self.reference
+        errors = self._error(entry, summary, best)
+        reference = self._found(best)
+        row = {
+            "status": summary.get("status"),
+            "failure": summary.get("error"),
+            "model": entry.scene.model.fluid,
+            "wall_s": summary.get("wall_s"),
+            "error": errors,
+            "speedup": _speedup(reference and reference[1], summary),
+            "below_reference_error": [] if entry.row == best else below(errors, bars),
+            "bernoulli": summary.get("bernoulli"),
+        }
+        if entry.row in STRETCH.values():
+            row["against_same_model"] = self._error(entry, summary, entry.scene.model.fluid)
+        return row
+
+    def _points(self) -> list[dict[str, Any]]:
+        """Speed against error of every run that is on the ladder, and of the thesis' algorithm."""
+        points: list[dict[str, Any]] = [
+            {
+                "model": entry.row,
+                "resolution": entry.resolution,
+                "status": summary.get("status"),
+                "failure": summary.get("error"),
+                "wall_s": summary.get("wall_s"),
+                "error": self._error(entry, summary, self.reference),
+                "on_front": [],
+            }
+            for entry, summary in self._done
+            if entry.row in (*LADDER, THESIS)
+        ]
+        for figure in FIGURES_WITH_FRONT:
+            known = [p for p in points if p["wall_s"] and p["error"].get(figure) is not None]
+            for index in pareto_front([(p["wall_s"], p["error"][figure]) for p in known]):
+                known[index]["on_front"].append(figure)
+        return points
+
+    def _error(self, entry: Entry, summary: Summary, against: str | None) -> Errors:
+        """Errors against the row ``against``; empty where either is not complete."""
+        found = self._found(against)
+        if found is None or {found[1].get("status"), summary.get("status")} != {"completed"}:
+            return {}
+        key = (entry.place, found[0].row)
+        if key not in self._errors:
+            self._errors[key] = compare(
+                read_results(self.folder / entry.place),
+                summary,
+                read_results(self.folder / found[0].place),
+                found[1],
+                entry.scene.tank.radius,
+            )
+        return self._errors[key]
+
+
+def _no_row(summary: Summary) -> dict[str, Any]:
+    return {
+        "status": summary["status"],
+        "failure": summary["error"],
+        "wall_s": None,
+        "error": {},
+        "speedup": None,
+        "below_reference_error": [],
+        "bernoulli": None,
+    }
+
+
+def _speedup(best: Summary | None, summary: Summary) -> float | None:
+    if not best or summary.get("status") != "completed" or not summary.get("wall_s"):
+        return None
+    return float(best["wall_s"]) / float(summary["wall_s"]) if best.get("wall_s") else None

@@ -1,0 +1,139 @@
+"""Many scenes: a grid of them on several fluid models, in parallel, and restartable."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from coupling.campaign.study import Progress, is_complete
+from coupling.campaign.sweep_plan import POINTS, Plan, Point, SweepError
+from coupling.campaign.sweep_rows import row_of, sweep_csv, sweep_json
+from coupling.estimate.cost import run_cost
+from coupling.report import write_report
+from coupling.store.atomic import write_json, write_text
+from coupling.store.run_record import read_summary
+
+FILE, TABLE = "sweep.json", "sweep.csv"
+_log = logging.getLogger(__name__)
+
+Summary = dict[str, Any]
+
+
+def run_sweep(
+    plan: Plan,
+    folder: Path | str,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Run every point of ``plan`` on each of its models, into ``folder/points/<point>/<model>``.
+
+    ``workers``: processes, one for each core if left out; ``scheduler``: address of a running Dask
+    cluster in their place. The longest points start first. A run that is complete in the folder is
+    not repeated, so a sweep that was stopped goes on; one that failed is tried again. What fails
+    is a row with its reason. ``sweep.json`` and ``sweep.csv`` are written after every point,
+    ``report.html`` at the end. Returns what ``sweep.json`` holds.
+
+    Raises ``SweepError`` where no cluster answers, ``RunFailed`` where ``folder`` is not writable.
+    """
+    told = progress or (lambda *_: None)
+    record = _Record(plan, Path(folder).resolve())
+    total = len(plan.points) * len(plan.models)
+    waiting = record.take_finished()
+    if waiting:
+        told("sweep", total - len(waiting), total, "starting the workers")
+    for point, model, summary in _outcomes(plan, waiting, record.folder, workers, scheduler):
+        record.add(point, model, summary)
+        told("sweep", record.runs, total, f"{point.name}: {model} {summary.get('status')}")
+    content = record.write()
+    write_report(record.folder)
+    return content
+
+
+class _Record:
+    """What is known so far; written whenever a point is complete."""
+
+    def __init__(self, plan: Plan, folder: Path) -> None:
+        self.plan, self.folder = plan, folder
+        self.runs = 0
+        self._summaries: dict[str, dict[str, Summary]] = {point.name: {} for point in plan.points}
+        self._rows: dict[str, dict[str, Any]] = {}
+
+    def take_finished(self) -> list[tuple[Point, str]]:
+        """Take over the runs that the folder holds; returns those that are still to do."""
+        waiting = []
+        for point in self.plan.points:
+            for model, scene in point.scenes.items():
+                there = self.folder / POINTS / point.name / model
+                if is_complete(scene, there):
+                    self._keep(point, model, read_summary(there))
+                else:
+                    waiting.append((point, model))
+        return waiting
+
+    def add(self, point: Point, model: str, summary: Summary) -> None:
+        self._keep(point, model, summary)
+        if point.name in self._rows:
+            self.write()
+
+    def _keep(self, point: Point, model: str, summary: Summary) -> None:
+        self.runs += 1
+        known = self._summaries[point.name]
+        known[model] = summary
+        if len(known) == len(self.plan.models):
+            ordered = {name: known[name] for name in self.plan.models}
+            self._rows[point.name] = row_of(point, self.folder / POINTS / point.name, ordered)
+
+    def write(self) -> dict[str, Any]:
+        rows = [self._rows[point.name] for point in self.plan.points if point.name in self._rows]
+        title = next(iter(self.plan.points[0].scenes.values())).title
+        content = sweep_json(self.plan, title, rows)
+        write_json(self.folder / FILE, content)
+        write_text(self.folder / TABLE, sweep_csv(content))
+        return content
+
+
+def _outcomes(
+    plan: Plan,
+    waiting: list[tuple[Point, str]],
+    folder: Path,
+    workers: int | None,
+    scheduler: str | None,
+) -> Iterator[tuple[Point, str, Summary]]:
+    if not waiting:
+        return
+    try:
+        from coupling.campaign.sweep_workers import Task, cluster_at, local_workers, run_tasks
+    except ValueError as error:  # Dask reads its settings when it is imported
+        raise SweepError(f"{error}\nMend or remove that file.") from error
+
+    points = {point.name: point for point in plan.points}
+    tasks = [
+        Task(
+            point=point.name,
+            model=model,
+            scene=point.scenes[model],
+            folder=folder / POINTS / point.name / model,
+            cost=sum(run_cost(scene, name) for name, scene in point.scenes.items()),
+        )
+        for point, model in waiting
+    ]
+    count = min(workers or default_workers(plan), len(tasks))
+    with cluster_at(scheduler) if scheduler else local_workers(count) as client:
+        for task, summary in run_tasks(client, tasks):
+            yield points[task.point], task.model, summary
+
+
+def default_workers(plan: Plan) -> int:
+    """As many as there are cores, or as fit where a flow solver takes several."""
+    cores = len(os.sched_getaffinity(0))
+    flows = [
+        point.scenes["openfoam"].openfoam.processors
+        for point in plan.points
+        if "openfoam" in point.scenes
+    ]
+    return max(1, cores // max(flows, default=1))

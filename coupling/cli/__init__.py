@@ -1,0 +1,1 @@
+"""The command line ``edt``: its verbs, and what they share."""

@@ -1,0 +1,5 @@
+"""``python -m coupling.cli``: as ``edt``."""
+
+from coupling.cli.main import main
+
+main()

@@ -1,0 +1,42 @@
+"""``edt render``: a picture or a video of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from coupling.cli.exit_status import ExitStatus, guarded, stop
+from coupling.store.run_folder import check_reportable
+
+PICTURES = frozenset({".pdf", ".png", ".svg"})
+DEFAULT = "period.mp4"
+
+
+@guarded
+def render(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help=f"Video (.mp4, .gif) or picture (.png, .svg, .pdf); DIR/{DEFAULT} if not given.",
+        ),
+    ] = None,
+) -> None:
+    """Show a run's last period: the diaphragm and its pressure, moving or at three instants."""
+    check_reportable(folder)
+    if not (folder / "results.h5").is_file():
+        stop(f"{folder}: is no run. Give the folder of one.", ExitStatus.WRONG_INPUT)
+    from coupling.report import VIDEOS, render_picture, render_video
+    from coupling.store.results import read_results
+
+    path = output or folder / DEFAULT
+    if path.suffix not in VIDEOS | PICTURES:
+        known = ", ".join(sorted(VIDEOS | PICTURES))
+        stop(f"--output: must end in {known}, got '{path}'.", ExitStatus.WRONG_INPUT)
+    draw = render_video if path.suffix in VIDEOS else render_picture
+    typer.echo(draw(read_results(folder), path))

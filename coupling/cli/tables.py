@@ -1,0 +1,241 @@
+"""Tables that the command line prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from coupling.estimate.cost import fields_size, run_time
+from coupling.estimate.model_errors import Choice, estimates
+from coupling.estimate.numbers import Numbers
+from coupling.estimate.strength import burst_warning
+from coupling.finite_volume.mesh import cells_made
+from coupling.motion.record_summary import RecordSummary
+from coupling.scene.scene import Scene
+from coupling.verify import VerifyResult
+
+
+def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout, first column left, others right."""
+    table = Table(title=title or None, title_justify="left")
+    for index, head in enumerate(heads):
+        first = index == 0
+        table.add_column(head, justify="left" if first else "right", overflow="fold", no_wrap=first)
+    for row in rows:
+        table.add_row(*row)
+    console = Console(markup=False, highlight=False)
+    if not console.is_terminal:
+        console.width = max(console.width, 100)
+    console.print(table)
+
+
+def figure(value: Any, digits: int = 4) -> str:
+    """A number to ``digits``, a dash where there is none, lists element by element."""
+    if value is None:
+        return "-"
+    if isinstance(value, list | tuple):
+        return ", ".join(figure(item, digits) for item in value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def _ratio(value: Any) -> str:
+    """A ratio to what may vanish: beyond a million it says no more than that."""
+    return figure(value) if value is None or value <= 1e6 else "> 1e6"
+
+
+def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
+    """The main figures of a run's ``summary.json`` and where the results are."""
+    coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
+    bernoulli = summary.get("bernoulli") or {}
+    period = (summary.get("energy") or {}).get("per_period") or {}
+    rows = [
+        ("status", summary.get("status")),
+        ("model", summary.get("model")),
+        ("simulated time [s]", summary.get("simulated_s")),
+        ("largest tensile strain", summary.get("strain_tensile_max")),
+        ("... below it in 99 % of area and time", summary.get("strain_tensile_p99")),
+        ("largest volume error", summary.get("volume_error_max")),
+        ("iterations a step, mean", coupling.get("iterations_mean")),
+        ("iterations a step, most", coupling.get("iterations_max")),
+        ("unconverged steps", coupling.get("unconverged_steps")),
+        ("CG amplitude [m]", cg.get("amplitude_m")),
+        ("CG phase [deg]", cg.get("phase_deg")),
+        ("hydrostatic over kinetic, thesis Eq. 4.6", _ratio(bernoulli.get("eq46_as_printed"))),
+        ("... by the words of its text", _ratio(bernoulli.get("eq46_as_worded"))),
+        ("... as measured", _ratio(bernoulli.get("kinetic_ratio"))),
+        ("hydrostatic over unsteady, measured", _ratio(bernoulli.get("unsteady_ratio"))),
+        ("dynamic over hydrostatic, rms", bernoulli.get("dynamic_fraction")),
+        ("momentum that hydrostatics neglects", bernoulli.get("neglected_momentum")),
+        ("work done a period [J]", period.get("work_J")),
+        ("dissipated a period [J]", period.get("dissipated_J")),
+        ("... over the peak energy", period.get("fraction")),
+        ("... by the liquid [J]", period.get("liquid_J")),
+        ("... by the rubber's stretch [J]", period.get("stretch_loss_J")),
+        ("... by friction on the shell [J]", period.get("shell_friction_J")),
+        ("... by friction on itself [J]", period.get("self_friction_J")),
+        ("... by fold_damping, a regularisation [J]", period.get("bending_damping_J")),
+        ("... by slack_drag, a regularisation [J]", period.get("drag_J")),
+        ("... by impacts and the time step [J]", period.get("rest_J")),
+        ("wall time [s]", summary.get("wall_s")),
+        ("results", str(folder)),
+    ]
+    if summary.get("flow_fields_bytes") is not None:
+        size = f"{1e-6 * summary['flow_fields_bytes']:.1f} MB in {folder / 'foam' / 'case.foam'}"
+        rows.append(("flow fields", size))
+    if (folder / "report.html").is_file():
+        rows.append(("report", str(folder / "report.html")))
+    print_table("", ("", "value"), [(name, figure(value)) for name, value in rows])
+    rubber = summary.get("strength_verdict")
+    if rubber and not rubber.startswith("Yes"):
+        print(f"Would the rubber hold? {rubber}")
+
+
+_ERRORS = {
+    "shape_rms": "shape, rms / R",
+    "cg_amplitude": "CG amplitude",
+    "cg_phase_deg": "CG phase [deg]",
+    "force_amplitude": "force amplitude",
+    "pressure_rms": "pressure, rms",
+}
+
+
+def print_study(study: Mapping[str, Any], folder: Path) -> None:
+    """Errors of a study with their bars, one row a model; then speed against error."""
+    models: Mapping[str, Mapping[str, Any]] = study.get("models") or {}
+    names = list(dict.fromkeys(name for row in models.values() for name in row.get("error") or {}))
+    heads = [_ERRORS.get(name, name) for name in names]
+    rows: list[tuple[str, ...]] = []
+    for model, row in models.items():
+        cost = figure(row.get("wall_s")), figure(row.get("speedup"), 3)
+        rows.append((model, *cost, *_errors(row.get("error") or {}, names)))
+        if row.get("against_same_model"):
+            name = f".. against {row['model']}"
+            rows.append((name, "", "", *_errors(row["against_same_model"], names)))
+    if study.get("uncertainty"):
+        own = [f"± {figure(study['uncertainty'].get(name), 2)}" for name in names]
+        rows.append((f"{study.get('reference')}'s own", "", "", *own))
+    title = f"errors against {study.get('reference')}, in {folder}"
+    print_table(title, ("model", "wall [s]", "speedup", *heads), rows)
+    if study.get("points"):
+        _print_points(study["points"], [name for name in names if not name.endswith("_deg")])
+    for sentence in (study.get("verdict"), study.get("advice")):
+        if sentence:
+            print(sentence)
+
+
+def _errors(errors: Mapping[str, Any], names: Sequence[str]) -> list[str]:
+    return [figure(errors.get(name), 3) for name in names]
+
+
+def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
+    rows = [
+        (
+            f"{point['model']}, {point['resolution'].replace('_', ' ')}",
+            figure(point["wall_s"]),
+            *(
+                figure(point["error"].get(name), 3) + (" *" if name in point["on_front"] else "")
+                for name in names
+            ),
+        )
+        for point in sorted(points, key=lambda item: item["wall_s"] or float("inf"))
+    ]
+    heads = [_ERRORS.get(name, name) for name in names]
+    print_table("speed against error, * on the front", ("run", "wall [s]", *heads), rows)
+
+
+def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Estimated relative error of the CG motion and wall time [s] of each model for ``scene``.
+
+    ``wall_s``: shortest and longest, see ``run_time``.
+    """
+    return {
+        name: {**asdict(error), "wall_s": list(run_time(scene, name))}
+        for name, error in estimates(scene).items()
+    }
+
+
+def print_check(
+    scene: Scene, numbers: Numbers, choice: Choice, record: RecordSummary | None
+) -> None:
+    """Dimensionless numbers, model errors and costs of a scene."""
+    names = {
+        "level": "level h/R",
+        "slosh_frequency": "first slosh frequency f1 [Hz]",
+        "frequency": "driving frequency f [Hz]",
+        "frequency_ratio": "f/f1",
+        "hydrostatic_error": "neglected by hydrostatics: (f/f1)^2",
+        "acceleration_ratio": "largest acceleration over gravity",
+        "bond": "Bond number",
+        "weber": "Weber number",
+        "froude": "Froude number",
+        "largest_body_force": "largest body force b [m/s^2]",
+        "membrane_parameter": "rho b R^2/(E t)",
+        "elasto_gravity_wavelength": "elasto-gravity wavelength [m]",
+        "folds_round_the_rim": "folds round the rim",
+        "grid_spacing": "spacing of the cloth's grid [m]",
+        "rings_to_resolve": "rings that resolve the folds",
+        "wrinkling_allowed": "finest wrinkling on this grid",
+        "added_mass_ratio": "added over diaphragm mass",
+    }
+    values = numbers.to_dict()
+    rows = [(text, figure(values[key])) for key, text in names.items()]
+    if scene.model.fluid == "openfoam":
+        rows.append(("cells of the flow's mesh", figure(cells_made(scene.openfoam.cells))))
+    print_table(scene.title, ("number", "value"), rows)
+    expected = [
+        (
+            name,
+            figure(row["expected"], 2),
+            figure(row["upper"], 2),
+            ", ".join(row["outside"]) or "-",
+            " to ".join(f"{seconds:.{int(seconds < 10.0)}f}" for seconds in row["wall_s"]),
+        )
+        for name, row in model_estimates(scene).items()
+    ]
+    heads = (
+        "fluid model", "error of the CG motion", "nine in ten below", "beyond the data",
+        "wall time [s]",
+    )  # fmt: skip
+    print_table("estimates", heads, expected)
+    print(
+        "Wall times are those of one free core as fast as this machine is now; where others "
+        "compute too, or the rubber slams often, they are longer."
+    )
+    if scene.model.fluid in ("openfoam", "auto") and scene.openfoam.write_fields:
+        print(f"The flow's fields will take about {1e-6 * fields_size(scene):.2g} MB in foam/.")
+    left_out = ", which inextensibility leaves out" if scene.diaphragm.inextensible else ""
+    print(
+        f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "
+        f"is taut{left_out}."
+    )
+    if record is not None:
+        print(f"{record.says}.")
+        for warning in record.warnings:
+            print(f"warning: {warning}")
+    for said in (burst_warning(scene), scene.time.beyond):
+        if said:
+            print(said)
+    print(f"advised: {choice.fluid} (the scene says {scene.model.fluid}). {choice.reason}.")
+
+
+def print_verify(results: Sequence[VerifyResult], failures: Mapping[str, str]) -> None:
+    """Computed beside exact, one row a quantity; failed cases last."""
+    rows = [
+        (
+            result.case,
+            quantity.name,
+            figure(quantity.computed, 7),
+            figure(quantity.exact, 7),
+            figure(quantity.error, 2),
+            quantity.unit,
+        )
+        for result in results
+        for quantity in result.quantities
+    ]
+    rows += [(case, "failed", "-", "-", "-", "-") for case in failures]
+    print_table("", ("case", "quantity", "computed", "exact", "error", "unit"), rows)

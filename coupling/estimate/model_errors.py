@@ -1,0 +1,246 @@
+"""How far each fluid model will be off for a scene, before anything is run: fitted to our own runs.
+
+The data, ``model_errors.csv``, are CG motions of sine scenes run on one rung of the ladder and on a
+better one. How they were made stands in ``foam_cases/sway_map``. The error is that of the complex
+first harmonic, |c - c_ref|/|c_ref|: amplitude and phase in one number.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from coupling.estimate.numbers import numbers_of
+from coupling.estimate.orders import FLOW_ORDER
+from coupling.finite_volume.mesh import cells_made
+from coupling.ports import Array
+from coupling.scene.scene import Scene
+
+DATA = "model_errors.csv"
+LADDER = ("hydrostatic", "potential", "openfoam")
+CELLS, FEWER = 1300, 650  # asked of the flow's mesh in the data, and of the coarser one beside it
+PLACE = ("frequency_ratio", "acceleration_ratio", "fill_fraction")
+COLUMNS = ("model", "reference", *PLACE, "error")
+QUANTITIES = ("f/f1", "a/g", "fill fraction")
+SHARE = 0.9  # of the data that lie below an upper bound
+DAMPING = 0.5  # a quarter of the critical one: of 0.2 to 2 the left-out data miss least about here
+_DEGREES = (0, 1, 2)
+_FLOOR = 1e-6  # errors below are the solvers' own noise
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """Relative error of a CG motion: the ``expected`` one, and an ``upper`` bound that nine in ten
+    scenes keep. ``outside`` names what lies beyond the data, whose nearest edge then speaks."""
+
+    expected: float
+    upper: float
+    outside: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """One row of the data: ``model`` against ``reference`` in a scene at these ``coordinates``."""
+
+    model: str
+    reference: str
+    coordinates: Array
+    error: float
+
+
+def coordinates(
+    *, frequency_ratio: float, acceleration_ratio: float, fill_fraction: float
+) -> Array:
+    """What an estimate depends on (3,): log10 of f/f1 and of 1 + a/g, and the fill fraction.
+
+    Not log10 of a/g: gentle motion is linear, and its errors do not depend on how gentle it is.
+    """
+    ratio = max(frequency_ratio, 1e-12)
+    return np.array([np.log10(ratio), np.log10(1.0 + acceleration_ratio), fill_fraction])
+
+
+def inertia_left_out(ratio: Array) -> Array:
+    """r^2 at r = f/f1 ``ratio``: error of a liquid without inertia.
+
+    One mass on a damped spring: driven by accelerations it moves by c = c0/(1 - r^2 + i d r), and
+    without its mass and damper by c0; so that |c0 - c|/|c| is r^2 where d is small.
+    """
+    return np.asarray(ratio**2)
+
+
+def inertia_wrong(ratio: Array) -> Array:
+    """r^2/|1 - r^2 + i d r|: error of a liquid whose inertia is wrong, per share of that.
+
+    The same mass: the change of log c by that of log m. d is DAMPING.
+    """
+    return np.asarray(ratio**2 / np.abs(1.0 - ratio**2 + 1j * DAMPING * ratio))
+
+
+Law = Callable[[Array], Array]
+LAWS: Mapping[str, Law] = {
+    "hydrostatic": inertia_left_out,
+    "potential": inertia_wrong,
+    "openfoam": inertia_wrong,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorFit:
+    """An error over its ``law`` in f/f1: log10 of that is a polynomial of a scene's coordinates.
+
+    ``powers`` (k, 3) of the coordinates; ``coefficients`` (k,); ``missed`` (n,): by how much the
+    data lie above a fit that each is left out of; ``low``, ``high`` (3,): range of the data.
+    """
+
+    law: Law
+    powers: Array
+    coefficients: Array
+    missed: Array
+    low: Array
+    high: Array
+
+    def at(self, given: Array) -> Estimate:
+        """The estimate at coordinates (3,); those beyond the data are taken at the data's edge."""
+        inside = np.clip(given, self.low, self.high)
+        beyond = np.abs(given - inside) > 1e-9 * np.maximum(1.0, np.abs(given))
+        log = float(_terms(inside[None], self.powers)[0] @ self.coefficients)
+        expected = float(self.law(10.0 ** inside[0])) * 10.0**log
+        return Estimate(
+            expected=expected,
+            upper=expected * float(10.0 ** np.quantile(self.missed, SHARE)),
+            outside=tuple(name for name, out in zip(QUANTITIES, beyond, strict=True) if out),
+        )
+
+
+def fit_errors(rows: Sequence[Measured], law: Law) -> ErrorFit:
+    """Least squares fit of ``rows``, of that degree whose left-out data miss least (rms).
+
+    ``ValueError`` with fewer than six.
+    """
+    if len(rows) < 6:
+        raise ValueError(f"model errors: a fit takes six rows or more, got {len(rows)}")
+    points = np.array([row.coordinates for row in rows])
+    errors = np.maximum([row.error for row in rows], _FLOOR)
+    logs = np.log10(errors / law(10.0 ** points[:, 0]))
+    fits = [_fit(points, logs, degree, law) for degree in _DEGREES]
+    return min(fits, key=lambda fit: float(np.mean(fit.missed**2)))
+
+
+def _fit(points: Array, logs: Array, degree: int, law: Law) -> ErrorFit:
+    powers = np.array(
+        [p for p in np.ndindex(degree + 1, degree + 1, degree + 1) if sum(p) <= degree], dtype=float
+    )
+    terms = _terms(points, powers)
+    inverse = np.linalg.pinv(terms)
+    coefficients = np.asarray(inverse @ logs, dtype=np.float64)
+    rest = 1.0 - np.einsum("ij,ji->i", terms, inverse)
+    alone = rest < 1e-6  # a row without which the fit would be open
+    return ErrorFit(
+        law=law,
+        powers=powers,
+        coefficients=coefficients,
+        missed=np.where(alone, np.inf, (logs - terms @ coefficients) / np.where(alone, 1.0, rest)),
+        low=points.min(axis=0),
+        high=points.max(axis=0),
+    )
+
+
+def _terms(points: Array, powers: Array) -> Array:
+    return np.asarray(np.prod(points[:, None, :] ** powers[None], axis=2))
+
+
+@cache
+def fitted(model: str) -> ErrorFit:
+    """The fit of ``model`` to the data that come with the program."""
+    lines = (files("coupling.estimate") / DATA).read_text(encoding="utf-8").splitlines()
+    return fit_errors([row for row in read_rows(lines) if row.model == model], LAWS[model])
+
+
+def read_rows(lines: Iterable[str]) -> list[Measured]:
+    """Rows of a CSV with the columns COLUMNS."""
+    return [
+        Measured(
+            model=row["model"],
+            reference=row["reference"],
+            coordinates=coordinates(**{name: float(row[name]) for name in PLACE}),
+            error=float(row["error"]),
+        )
+        for row in csv.DictReader(lines)
+    ]
+
+
+def grid_error(distance: float) -> float:
+    """Error of ``openfoam`` on CELLS, by Richardson's estimate, FEWER being ``distance`` off it."""
+    wider = (cells_made(CELLS) / cells_made(FEWER)) ** (1.0 / 3.0)
+    return float(distance / (wider**FLOW_ORDER - 1.0))
+
+
+def estimates(scene: Scene) -> dict[str, Estimate]:
+    """Estimated error of ``hydrostatic``, ``potential`` and ``openfoam`` in ``scene``.
+
+    That of ``hydrostatic`` is its error against ``potential`` with that one's against ``openfoam``
+    added in quadrature; that of ``openfoam`` is its grid's, which falls with the cells' width to
+    the power FLOW_ORDER. All are zero at rest, where the liquid is hydrostatic exactly.
+    """
+    numbers = numbers_of(scene)
+    if numbers.acceleration_ratio == 0.0:
+        return {name: Estimate(expected=0.0, upper=0.0) for name in LADDER}
+    place = coordinates(**{name: getattr(numbers, name) for name in PLACE})
+    hydrostatic, potential, openfoam = (fitted(name).at(place) for name in LADDER)
+    finer = (cells_made(CELLS) / cells_made(scene.openfoam.cells)) ** (FLOW_ORDER / 3.0)
+    return {
+        "hydrostatic": _together(hydrostatic, potential),
+        "potential": potential,
+        "openfoam": replace(
+            openfoam, expected=finer * openfoam.expected, upper=finer * openfoam.upper
+        ),
+    }
+
+
+def _together(own: Estimate, above: Estimate) -> Estimate:
+    return Estimate(
+        expected=float(np.hypot(own.expected, above.expected)),
+        upper=float(np.hypot(own.upper, above.upper)),
+        outside=tuple(dict.fromkeys((*own.outside, *above.outside))),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """``fluid`` chosen, the ``reason`` in a sentence, and the ``estimates`` that it rests on."""
+
+    fluid: str
+    reason: str
+    estimates: Mapping[str, Estimate]
+
+
+def choose(scene: Scene) -> Choice:
+    """The cheapest of LADDER whose error keeps ``model.tolerance`` in nine scenes of ten.
+
+    Where none does it is the one of the least upper bound, and the reason says so.
+    """
+    known, kept = estimates(scene), f"{scene.model.tolerance:.3g} in nine scenes of ten"
+    for fluid in LADDER:
+        if known[fluid].upper <= scene.model.tolerance:
+            reason = f"{fluid} is the cheapest that keeps {kept}: {_figures(known[fluid])}"
+            return Choice(fluid=fluid, reason=reason, estimates=known)
+    best = min(LADDER, key=lambda fluid: known[fluid].upper)
+    reason = f"no model keeps {kept}; {best} errs least: {_figures(known[best])}"
+    return Choice(fluid=best, reason=reason, estimates=known)
+
+
+def _figures(one: Estimate) -> str:
+    """Expected error, its bound, and whether the data reach so far."""
+    text = (
+        f"it is expected to err by {one.expected:.2g} in the CG motion, nine in ten below "
+        f"{one.upper:.2g}"
+    )
+    if one.outside:
+        many = "s" if len(one.outside) == 1 else ""
+        text += f" (by the nearest data: {', '.join(one.outside)} lie{many} beyond them)"
+    return text

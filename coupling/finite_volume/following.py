@@ -1,0 +1,185 @@
+"""The liquid's mesh as it follows its boundary: outline imposed, volume closed, quality watched."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from coupling.finite_volume.geometry import (
+    CellGeometry,
+    cell_geometry,
+    fan_volume,
+    non_orthogonality,
+    swept_volumes,
+)
+from coupling.finite_volume.mesh import LiquidMesh
+from coupling.finite_volume.smoothing import ElasticMesh, MeshFolds
+from coupling.finite_volume.swept import swept_gradient
+from coupling.ports import Array, Cause, Ints, RunFailed, StepFailed
+
+SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
+BETTER = 5.0  # degrees that a new mesh must gain
+DEPTH, EDGE = 0.01, 0.1  # over R: least depth below the shell; it rises so from the patch's rim
+
+_log = logging.getLogger(__name__)
+
+
+class FollowingMesh:
+    """Points of ``mesh`` in a shell of ``radius`` [m]; ``points`` (P, 3) [m] are the committed.
+
+    The boundary's points are imposed, those inside relax from where they were. A mesh that folds
+    or gets skewed is made anew from the reference. That needs no interpolation of the fields: the
+    cells keep their neighbours, and what they sweep on their way to their new places the solver
+    carries over, as it does of any motion, with mass and momentum conserved to rounding.
+    """
+
+    def __init__(self, mesh: LiquidMesh, radius: float) -> None:
+        self.mesh, self.radius = mesh, radius
+        self._boundary: Ints = mesh.faces[mesh.inner_faces :]
+        self._elastic = ElasticMesh(mesh, radius)
+        self._reference = radius * mesh.points
+        reach = np.linalg.norm(mesh.points[mesh.patch_points][:, :2], axis=1)
+        depth = np.minimum(DEPTH, EDGE * (1.0 - reach))
+        self._farthest = np.where(mesh.rim, np.inf, radius * (1.0 - depth))
+
+    def raised(self, shell: Array, patch: Array, volume: float) -> Array:
+        """``shell`` (s, 3) times what makes it hold ``volume`` [m^3] below ``patch`` (p, 3) [m]."""
+        factor = 1.0
+        for _ in range(20):
+            self.shell = factor * shell
+            missing = volume - fan_volume(self._outline(patch)[self._boundary])
+            if abs(missing) < 1e-12 * volume:
+                break
+            factor *= 1 + missing / (3 * volume)
+        return self.shell
+
+    def place(self, patch: Array, shell: Array) -> None:
+        """Stand at rest below ``patch`` (p, 3) [m] in the ``shell``'s points (s, 3) [m]."""
+        self.patch, self.shell = patch, shell
+        outline = self._outline(patch)
+        self._fan = fan_volume(outline[self._boundary])
+        self._size = self._fan / fan_volume(self._reference[self._boundary])
+        self.points, self.geometry = self._made_anew(outline, "t = 0 s")
+        self.volume = float(self.geometry.volume.sum())
+
+    def return_to(self, points: Array) -> None:
+        """Stand at ``points`` (P, 3) [m], where the mesh has stood since it was placed."""
+        self.points, self.geometry = points, cell_geometry(self.mesh, points)
+        self.patch = points[self.mesh.patch_points]
+        self.shell = points[self.mesh.shell_points]
+
+    def begin_step(self, shell: Array | None) -> None:
+        """Start a step that ends with the shell's points at ``shell`` (s, 3) [m], if they move."""
+        self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
+        self.shell = self.shell if shell is None else shell
+
+    def close_volume(self, patch: Array) -> Array:
+        """``patch`` (p, 3) [m] shifted along its normals until the volume is that at the start."""
+        faces = self.mesh.patch_faces
+        for _ in range(30):
+            excess = self.excess(patch)
+            if abs(excess) <= 2e-16 * self.volume:
+                break
+            normal = np.zeros_like(patch)
+            np.add.at(normal, faces, swept_gradient(patch[faces]))
+            normal[self.mesh.rim] = 0.0
+            # A shift of equal height everywhere, so that it does not favour large faces.
+            height = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+            patch = patch - height * excess / float((normal * height).sum())
+        return patch
+
+    def excess(self, patch: Array) -> float:
+        """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
+        return fan_volume(self._outline(patch)[self._boundary]) - self._fan
+
+    def slid(self, patch: Array) -> Array:
+        """Volumes (B,) [m^3] that the boundary's faces sweep as the patch, at rest, starts at
+        ``patch`` (p, 3) [m] in the step's shell."""
+        start = self._outline(patch)[self._boundary]
+        return swept_volumes(self.points[self._boundary], start)
+
+    def follow(self, patch: Array, moment: str) -> Array:
+        """Let the step end at ``patch`` (p, 3) [m]; volumes (B,) [m^3] its boundary faces sweep.
+
+        What of it lies beyond the shell, where a linear map may throw it in a slam, stays inside.
+        Every cell has a volume then; a corner of one may be inverted until the next step relaxes.
+        Raises ``StepFailed`` where no mesh is found; ``moment`` says when.
+        """
+        patch = self._inside(patch)
+        outline = self._outline(patch)
+        if self._base is not None:
+            points = self._elastic.follow(self._base, outline)
+            geometry = cell_geometry(self.mesh, points)
+        if self._base is None or not geometry.volume.min() > 0:
+            points, geometry = self._relaxed(outline, moment)
+            self._base = points
+        self.points_now, self.geometry_now, self._patch_now = points, geometry, patch
+        return swept_volumes(self.points[self._boundary], points[self._boundary])
+
+    def _inside(self, patch: Array) -> Array:
+        """``patch`` (p, 3) [m] but for points beyond the shell, of the same volume."""
+        distance = np.linalg.norm(patch, axis=1)
+        if not (distance > self._farthest).any():
+            return patch
+        return self.close_volume(patch * np.minimum(1.0, self._farthest / distance)[:, None])
+
+    def accept_step(self) -> None:
+        """Commit where the last call of ``follow`` led."""
+        self.points, self.geometry, self.patch = self.points_now, self.geometry_now, self._patch_now
+
+    @property
+    def non_orthogonality_max(self) -> float:
+        """Largest non-orthogonality [deg] of the committed mesh."""
+        return self._skewness(self.geometry)
+
+    def _outline(self, patch: Array) -> Array:
+        """Points (P, 3) of which those on the boundary stand where they should."""
+        points = np.zeros_like(self.mesh.points)
+        points[self.mesh.shell_points] = self.shell
+        points[self.mesh.patch_points] = patch
+        return points
+
+    def _relaxed(self, outline: Array, moment: str) -> tuple[Array, CellGeometry]:
+        """Points (P, 3) and their cells, from those of the last step unless they get bad."""
+        try:
+            points = self._elastic.relax(self.points, outline, size=self._size)
+        except MeshFolds:
+            return self._made_anew(outline, moment)
+        geometry = cell_geometry(self.mesh, points)
+        skewed = self._skewness(geometry)
+        if skewed <= SKEWED:
+            return points, geometry
+        try:
+            other = self._made_anew(outline, moment)
+        except RunFailed:
+            if geometry.volume.min() > 0:
+                return points, geometry
+            raise
+        if self._skewness(other[1]) < skewed - BETTER:
+            _log.info("%s: the flow's mesh was made anew, %.0f degrees skewed", moment, skewed)
+            return other
+        return points, geometry
+
+    def _made_anew(self, outline: Array, moment: str) -> tuple[Array, CellGeometry]:
+        """Points (P, 3) and their cells, relaxed from the reference."""
+        try:
+            points = self._elastic.relax(self._reference, outline, size=self._size)
+        except MeshFolds:
+            why = "none of its shapes keeps all cells open"
+        else:
+            geometry = cell_geometry(self.mesh, points)
+            if geometry.volume.min() > 0:
+                return points, geometry
+            place = ", ".join(f"{x:.3f}" for x in geometry.centre[np.argmin(geometry.volume)])
+            why = f"a cell near ({place}) m is turned inside out"
+        raise StepFailed(
+            f"{moment}: no valid mesh of the liquid was found below the diaphragm: {why}.",
+            cause=Cause.MESH,
+        )
+
+    def _skewness(self, geometry: CellGeometry) -> float:
+        """Largest non-orthogonality [deg]; 180 where a cell has no volume."""
+        if not geometry.volume.min() > 0:
+            return 180.0
+        return float(non_orthogonality(self.mesh, geometry).max())

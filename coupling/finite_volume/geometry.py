@@ -1,0 +1,76 @@
+"""Volumes, areas and swept volumes as OpenFOAM itself computes them (v1912).
+
+Sources: ``primitiveMeshFaceCentresAndAreas.C``, ``primitiveMeshCellCentresAndVols.C``,
+``face.C`` (``sweptVol``, ``centre``), ``triangleI.H`` (``sweptVol``) of OpenFOAM v1912.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupling.finite_volume import kernels
+from coupling.finite_volume.mesh import LiquidMesh
+from coupling.ports import Array
+
+
+def face_centres_and_areas(corner: Array) -> tuple[Array, Array]:
+    """Centres (F, 3) [m] and area vectors (F, 3) [m^2] of quadrilaterals ``corner`` (F, 4, 3).
+
+    The fan's apex is the mean of the corners; the centre weighs its triangles by the magnitudes of
+    their areas, as v1912 does (later versions by their parts along the face's normal).
+    """
+    centre, area = np.empty((len(corner), 3)), np.empty((len(corner), 3))
+    kernels.fans(corner, centre, area)
+    return centre, area
+
+
+def swept_volumes(old: Array, new: Array) -> Array:
+    """Volume (F,) [m^3] that every quadrilateral sweeps from ``old`` to ``new`` (F, 4, 3).
+
+    Positive along the normal; ``face::sweptVol``. Exact to rounding for any motion of the fan's
+    triangles along straight lines, the two diagonals of the sides averaged.
+    """
+    swept = np.empty(len(old))
+    centres = face_centres_and_areas(old)[0], face_centres_and_areas(new)[0]
+    kernels.sweeps(old, new, *centres, swept)
+    return swept
+
+
+def fan_volume(corner: Array) -> float:
+    """Cone from the origin to the fans of quadrilaterals ``corner`` (F, 4, 3) [m^3].
+
+    Its change is the sum of ``swept_volumes`` to rounding where the surface's rim is at rest.
+    """
+    cones = np.empty(len(corner))
+    kernels.cones(corner, face_centres_and_areas(corner)[0], cones)
+    return float(cones.sum())
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellGeometry:
+    """``volume`` (c,) [m^3], ``centre`` (c, 3), ``face_centre``, ``face_area`` (F, 3)."""
+
+    volume: Array
+    centre: Array
+    face_centre: Array
+    face_area: Array
+
+
+def cell_geometry(mesh: LiquidMesh, points: Array) -> CellGeometry:
+    """Cells of ``mesh`` at ``points`` (P, 3) [m], by OpenFOAM's pyramids about a mean centre."""
+    face_centre, area = face_centres_and_areas(points[mesh.faces])
+    volume, centre = np.empty(mesh.cells), np.empty((mesh.cells, 3))
+    kernels.cells(mesh.owner, mesh.neighbour, face_centre, area, volume, centre)
+    return CellGeometry(volume=volume, centre=centre, face_centre=face_centre, face_area=area)
+
+
+def non_orthogonality(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
+    """Angle [deg] between every inner face's normal and the line between its cells' centres."""
+    inner = mesh.inner_faces
+    reach = geometry.centre[mesh.neighbour] - geometry.centre[mesh.owner[:inner]]
+    area = geometry.face_area[:inner]
+    cosine = np.einsum("fx,fx->f", reach, area)
+    cosine /= np.linalg.norm(reach, axis=1) * np.linalg.norm(area, axis=1)
+    return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))

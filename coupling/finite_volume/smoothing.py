@@ -1,0 +1,242 @@
+"""Interior points of the flow's mesh as the rest state of an elastic solid that cannot invert.
+
+Every corner of every hexahedron is a small neo-Hookean body whose natural shape is that of the
+reference half ball (Garanzha et al., ACM Trans. Graph. 40, 2021): energy
+f/(3 d^(2/3)) + VOLUME (d/s + s/d)/2 with f = |T|^2, d = det T of the corner's map T from the
+reference and s the mean change of volume. It rises without bound as a corner flattens, so that a
+mesh which starts valid stays valid wherever the boundary allows one. A mesh that does not start so
+is untangled: 1/d is put off to 2/(d + (d^2 + e^2)^(1/2)), for an e that shrinks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.linalg import splu
+
+from cloth.compiled import compiled
+from coupling.finite_volume.mesh import LiquidMesh
+from coupling.ports import Array, Ints
+
+VOLUME = 0.1  # weight of a corner's volume against its shape: a small patch has small cells below
+MEMORY = 8  # pairs of the quasi-Newton method
+SPLITS = 32  # most parts that a boundary's displacement is cut into
+TOLERANCE = 1e-2  # residual force over its start
+ITERATIONS = 60
+FLATTEST = 1e-9  # over s: least d of a valid corner
+UNTANGLINGS = 10  # values of e, at most
+
+
+class MeshFolds(Exception):  # noqa: N818 - named for what happens
+    """No valid mesh was found inside a boundary."""
+
+
+@compiled
+def corner_energy(
+    points: Array,
+    corners: Ints,
+    inverse: Array,
+    size: float,
+    weight: float,
+    e: float,
+    gradient: Array,
+) -> float:
+    """Energy of all corners at ``points`` (P, 3), its gradient (P, 3) put into ``gradient``.
+
+    ``corners`` (k, 4): a corner and its three neighbours; ``inverse`` (k, 3, 3) of the reference's
+    edge matrices; ``size`` s; ``weight`` of the volume. Without an ``e`` above 0 it is infinite
+    where a corner is inverted.
+    """
+    gradient[:] = 0.0
+    total = 0.0
+    edge, t, cof, p = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for k in range(corners.shape[0]):
+        for a in range(3):
+            for x in range(3):
+                edge[x, a] = points[corners[k, a + 1], x] - points[corners[k, 0], x]
+        f = 0.0
+        for x in range(3):
+            for y in range(3):
+                s = 0.0
+                for a in range(3):
+                    s += edge[x, a] * inverse[k, a, y]
+                t[x, y] = s
+                f += s * s
+        for x in range(3):
+            x1, x2 = (x + 1) % 3, (x + 2) % 3
+            for y in range(3):
+                y1, y2 = (y + 1) % 3, (y + 2) % 3
+                cof[x, y] = t[x1, y1] * t[x2, y2] - t[x1, y2] * t[x2, y1]
+        d = t[0, 0] * cof[0, 0] + t[0, 1] * cof[0, 1] + t[0, 2] * cof[0, 2]
+        if e == 0.0 and d <= FLATTEST * size:
+            return np.inf
+        far = math.sqrt(d * d + e * e)
+        h = 0.5 * (d + far) if d > 0.0 else 0.5 * e * e / (far - d)  # in place of d, above 0
+        root, square = h ** (-2.0 / 3.0), d * d + size * size
+        total += f * root / 3.0 + 0.5 * weight * square / (size * h)
+        on_t = 2.0 * root / 3.0
+        on_cof = -2.0 * f * root / (9.0 * far)
+        on_cof += 0.5 * weight * (2.0 * d / h - square / (h * far)) / size
+        for x in range(3):
+            for y in range(3):
+                p[x, y] = on_t * t[x, y] + on_cof * cof[x, y]
+        for a in range(3):
+            for x in range(3):
+                g = p[x, 0] * inverse[k, a, 0] + p[x, 1] * inverse[k, a, 1]
+                g += p[x, 2] * inverse[k, a, 2]
+                gradient[corners[k, a + 1], x] += g
+                gradient[corners[k, 0], x] -= g
+    return total
+
+
+class ElasticMesh:
+    """Relaxes the interior points of ``mesh``; ``radius`` [m] scales its reference."""
+
+    def __init__(self, mesh: LiquidMesh, radius: float) -> None:
+        reference = radius * mesh.points
+        self.corners: Ints = np.ascontiguousarray(mesh.hexes[:, _NEIGHBOURS].reshape(-1, 4))
+        edges = reference[self.corners[:, 1:]] - reference[self.corners[:, :1]]
+        self._inverse = np.ascontiguousarray(np.linalg.inv(np.swapaxes(edges, 1, 2)))
+        boundary = np.unique(mesh.faces[mesh.inner_faces :])
+        self.interior = np.setdiff1d(np.arange(len(reference)), boundary)
+        self.boundary = boundary
+        self._imposed = np.flatnonzero(np.isin(self.corners, boundary).all(axis=1))
+        first, second = mesh.edges.T
+        weight = 1.0 / np.sum((reference[first] - reference[second]) ** 2, axis=1)
+        weight = np.tile(weight, 2)
+        rows, columns = np.r_[first, second], np.r_[second, first]
+        shape = (len(reference),) * 2
+        diagonal = (np.arange(shape[0]),) * 2
+        stiffness = coo_array((np.bincount(rows, weight), diagonal), shape=shape)
+        block = csc_array(stiffness - coo_array((weight, (rows, columns)), shape=shape))
+        block = csc_array(block[self.interior])
+        self._solver = splu(csc_array(block[:, self.interior]))
+        self._coupling = csc_array(block[:, boundary])
+
+    def relax(self, start: Array, boundary: Array, *, size: float) -> Array:
+        """Points (P, 3) [m] at rest inside ``boundary`` (P, 3), of which only those count.
+
+        ``size`` is the mesh's volume over the reference's. Where the interior cannot simply follow
+        from ``start`` (P, 3), the boundary's displacement is cut into parts, and where that fails
+        too, as it must if ``start`` is not valid, the mesh is untangled. Raises ``MeshFolds`` where
+        nothing helps, at once where the boundary alone inverts a corner. The rest state is found
+        to ``TOLERANCE`` of the force.
+        """
+        goal = self.follow(start, boundary)
+        if not np.isfinite(goal).all() or self._least(goal, self._imposed) <= FLATTEST * size:
+            raise MeshFolds
+        points = self._carried(start, boundary, size)
+        if points is None:
+            points = self._untangled(goal, size)
+        points[self.boundary] = boundary[self.boundary]
+        return points
+
+    def _carried(self, start: Array, boundary: Array, size: float) -> Array | None:
+        """``relax``, valid from the ``start`` on; None where it cannot be."""
+        points, shift = start.copy(), boundary[self.boundary] - start[self.boundary]
+        done, part = 0.0, 1.0
+        while done < 1.0:
+            after = min(1.0, done + part)
+            goal = points.copy()
+            goal[self.boundary] = start[self.boundary] + after * shift
+            relaxed = self._minimise(self.follow(points, goal), size)
+            if relaxed is not None:
+                points, done = relaxed, after
+            elif part > 1.0 / SPLITS:
+                part /= 2.0
+            else:
+                return None
+        return points
+
+    def _untangled(self, points: Array, size: float) -> Array:
+        """Points (P, 3) at rest, from ``points`` (P, 3) of which some corners are inverted.
+
+        Raises ``MeshFolds`` where the least d is not brought above 0.
+        """
+        e = size
+        for _ in range(UNTANGLINGS):
+            relaxed = self._minimise(points, size, e)
+            if relaxed is None:  # its energy is out of all range
+                raise MeshFolds
+            points, least = relaxed, self._least(relaxed, slice(None))
+            if least > FLATTEST * size:
+                valid = self._minimise(points, size)
+                assert valid is not None, "no corner is inverted"
+                return valid
+            # The e with which what stands for the least d shrinks to a fifth (Garanzha et al.).
+            aim = 0.1 * (least + math.hypot(least, e))
+            e = 2.0 * math.sqrt(aim * (aim - least))
+        raise MeshFolds
+
+    def _least(self, points: Array, which: slice | Ints) -> float:
+        """Least d among corners, with all of them at ``points`` (P, 3)."""
+        corners = self.corners[which]
+        edges = points[corners[:, 1:]] - points[corners[:, :1]]
+        return float((np.linalg.det(edges) * np.linalg.det(self._inverse[which])).min())
+
+    def follow(self, points: Array, boundary: Array) -> Array:
+        """``points`` (P, 3) with the interior following the boundary harmonically: linear."""
+        moved = boundary[self.boundary] - points[self.boundary]
+        answer = points.copy()
+        answer[self.boundary] += moved
+        answer[self.interior] -= self._solver.solve(np.asarray(self._coupling @ moved))
+        return answer
+
+    def _minimise(self, points: Array, size: float, e: float = 0.0) -> Array | None:
+        """L-BFGS with the mesh's Laplacian as first guess of the Hessian; None when inverted."""
+        gradient = np.empty_like(points)
+
+        def evaluate(at: Array) -> tuple[float, Array]:
+            energy = corner_energy(at, self.corners, self._inverse, size, VOLUME, e, gradient)
+            return energy, gradient[self.interior].copy()
+
+        energy, force = evaluate(points)
+        if not np.isfinite(energy):
+            return None
+        pairs: list[tuple[Array, Array, float]] = []
+        goal = TOLERANCE * float(np.linalg.norm(force))
+        for _ in range(ITERATIONS):
+            if np.linalg.norm(force) <= goal:
+                break
+            direction = self._direction(force, pairs)
+            slope = float(np.sum(direction * force))
+            length = 1.0
+            while True:
+                trial = points.copy()
+                trial[self.interior] += length * direction
+                energy_trial, force_trial = evaluate(trial)
+                if energy_trial <= energy + 1e-4 * length * slope:
+                    break
+                length *= 0.5
+                if length < 1e-6:
+                    return points  # rounding: no descent is left
+            step, change = length * direction, force_trial - force
+            curvature = float(np.sum(step * change))
+            if curvature > 0:
+                pairs = [*pairs[-MEMORY + 1 :], (step, change, curvature)]
+            points, energy, force = trial, energy_trial, force_trial
+        return points
+
+    def _direction(self, force: Array, pairs: list[tuple[Array, Array, float]]) -> Array:
+        """-H force by the two-loop recursion (Nocedal & Wright, Algorithm 7.4)."""
+        q, shares = force.copy(), []
+        for step, change, curvature in reversed(pairs):
+            share = float(np.sum(step * q)) / curvature
+            q -= share * change
+            shares.append(share)
+        direction = self._solver.solve(q)
+        if pairs:
+            step, change, curvature = pairs[-1]
+            direction *= curvature / float(np.sum(change * self._solver.solve(change)))
+        for (step, change, curvature), share in zip(pairs, reversed(shares), strict=True):
+            direction += step * (share - float(np.sum(change * direction)) / curvature)
+        return np.asarray(-direction)
+
+
+# The three neighbours of every corner of a hexahedron, right-handed.
+_NEIGHBOURS = np.array(
+    [(0, 1, 3, 4), (1, 2, 0, 5), (2, 3, 1, 6), (3, 0, 2, 7),
+     (4, 7, 5, 0), (5, 4, 6, 1), (6, 5, 7, 2), (7, 6, 4, 3)]
+)  # fmt: skip

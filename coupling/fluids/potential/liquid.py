@@ -1,0 +1,109 @@
+"""Inviscid, irrotational liquid: hydrostatics plus p* = -rho (dphi/dt + |grad phi|^2/2), all of it.
+
+The potential is a harmonic polynomial in the true shape (``ritz``): the sheet's
+own triangles bound the liquid, from a thin film to a full tank, and no mesh has to follow them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+
+from coupling.fluids.gauge import largest_rate
+from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.fluids.potential.ritz import (
+    RitzLiquid,
+    RitzShape,
+    bernoulli,
+    hemisphere_samples,
+    lower_hemisphere,
+)
+from coupling.interface.contact_curve import REACH
+from coupling.ports import Array, Ints, LiquidSample
+
+
+class PotentialLiquid:
+    """Liquid of ``density`` [kg/m^3] between a shell of ``radius`` [m] and ``triangles`` (m, 3).
+
+    The triangles, over ``nodes`` points, are counter-clockwise seen from the gas, their border on
+    the shell's equator. ``degree`` of the polynomials: 6 is 48 unknowns.
+    """
+
+    def __init__(
+        self, triangles: Ints, nodes: int, *, radius: float, degree: int, density: float
+    ) -> None:
+        harmonics = SolidHarmonics(degree, radius)
+        self.ritz = RitzLiquid(
+            triangles=triangles, harmonics=harmonics, wall=lower_hemisphere(harmonics),
+            density=density,
+        )  # fmt: skip
+        points, self._shell_area = hemisphere_samples(harmonics)
+        self._shell_values = harmonics.values(points)
+        self._corners = triangles.ravel(), np.repeat(np.arange(len(triangles)), 3)
+        self._shape = nodes, len(triangles)
+
+    def at(self, points: Array) -> RitzShape:
+        """The liquid below the sheet at ``points`` (n, 3) [m]."""
+        return self.ritz.at(points)
+
+    def sample(
+        self,
+        points: Array,
+        shape: RitzShape,
+        velocity: Array,
+        rate: Array,
+        coefficient: Array,
+        *,
+        work: float,
+    ) -> LiquidSample:
+        """What the liquid does at a step's end; ``face_pressure`` is on the triangles.
+
+        ``shape``: the liquid as the step took it, its sheet at ``points`` (n, 3) [m] moving at
+        ``velocity`` (n, 3) [m/s]; ``rate`` [m^2/s^2] and ``coefficient`` [m^2/s] (k,) of dphi/dt
+        and phi; ``work`` [J] of p* on the sheet in the step. The largest speed is the one on the
+        diaphragm. The shell's pressure beyond the contact curve meets that on the sheet which lies
+        on it, and both cancel in the force; in ``wall_slip`` both count, small as they are there.
+        """
+        pressure, speed = bernoulli(self.ritz, shape.values, rate, coefficient)
+        on_shell, shell_speed = bernoulli(self.ritz, self._shell_values, rate, coefficient)
+        nodal = shape.force(pressure)
+        size, free = np.linalg.norm(shape.area, axis=1), self._free(points)
+        return LiquidSample(
+            face_pressure=pressure - pressure @ size / size.sum(),
+            kinetic_pressure=-0.5 * self.ritz.density * speed**2,
+            viscous_traction=np.zeros(len(speed)),
+            wall_pressure_force=nodal.sum(axis=0) + on_shell @ self._shell_area,
+            wall_pressure_moment=np.cross(points, nodal).sum(axis=0),
+            speed_max=float(speed.max()),
+            dphi_dt_max=largest_rate((shape.values @ rate)[free], size[free]),
+            kinetic_energy=shape.kinetic_energy(velocity),
+            wall_slip=self._slip(shape, velocity, coefficient)
+            + float(shell_speed**2 @ np.linalg.norm(self._shell_area, axis=1)),
+            pressure_work=work,
+        )
+
+    def _free(self, points: Array) -> NDArray[np.bool_]:
+        """Triangles (m,) that are off the shell, all of them where none is."""
+        gap = 1.0 - np.linalg.norm(points, axis=1) / self.ritz.harmonics.radius
+        free = (gap > REACH)[self.ritz.triangles].any(axis=1)
+        return np.asarray(free if free.any() else ~free)
+
+    def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:
+        """int of the squared speed along the sheet [m^4/s^2], relative to it."""
+        slopes = self.ritz.harmonics.slopes
+        flow = np.stack([shape.values @ (slope @ coefficient) for slope in slopes], axis=1)
+        relative = flow - velocity[self.ritz.triangles].mean(axis=1)
+        size = np.linalg.norm(shape.area, axis=1)
+        along = np.einsum("tx,tx->t", relative, shape.area) / size
+        return float((np.sum(relative**2, axis=1) - along**2) @ size)
+
+    def to_nodes(self, points: Array) -> coo_array:
+        """Matrix (n, m) that averages values on triangles at ``points`` (n, 3) [m] to the nodes."""
+        corner = points[self.ritz.triangles]
+        area = np.linalg.norm(
+            np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
+        )
+        rows, columns = self._corners
+        weight = area[columns] / np.bincount(rows, area[columns], self._shape[0])[rows]
+        return coo_array((weight, (rows, columns)), shape=self._shape)

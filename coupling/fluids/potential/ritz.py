@@ -1,0 +1,175 @@
+"""An inviscid, irrotational liquid in a closed shape by harmonic polynomials: no mesh, no map.
+
+Luke's principle (J. Fluid Mech. 27, 1967): of all potentials phi the true one makes
+
+    T = rho ( int_D phi u_n dS - 1/2 int_V |grad phi|^2 dV )
+
+largest, with D the moving part of the boundary, and T is then the liquid's kinetic energy. Here
+phi is a harmonic polynomial (Ritz). The integral of a homogeneous polynomial of degree d over a
+cone to the origin is x.n/(d + 3) times it over the cone's base, so that the surface D, the
+diaphragm's own triangles, and the fixed walls give the volume's integral. T is positive for any
+shape, folded or thin; motions that no polynomial sees, short waves and tangential ones, carry no
+kinetic energy.
+
+Of the same action int T dt the surface's variation is the pressure p* = -rho (dphi/dt +
+|grad phi|^2/2) at fixed places, a polynomial's too, so that a changing shape makes no energy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as sl
+
+from cloth.compiled import compiled
+from coupling.finite_volume.swept import cross
+from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.ports import Array, Ints
+
+# Least stiffness of a potential over the largest: a thin film has many that hardly move any liquid,
+# or none by the rounding and the quadrature of its two sides.
+REGULAR = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class RitzLiquid:
+    """Liquid of ``density`` [kg/m^3] between ``triangles`` (m, 3) and fixed walls.
+
+    The triangles are counter-clockwise seen from outside the liquid. ``wall`` (k, k) [m]: the fixed
+    walls' share of int grad H_i . grad H_j dV, see ``wall_integral`` and ``lower_hemisphere``.
+    """
+
+    triangles: Ints
+    harmonics: SolidHarmonics
+    wall: Array
+    density: float
+
+    def at(self, points: Array) -> RitzShape:
+        """The liquid below the sheet at ``points`` (n, 3) [m]."""
+        corner = points[self.triangles]
+        area = 0.5 * cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        values = self.harmonics.values(corner.mean(axis=1))
+        reach = np.einsum("tx,tx->t", corner[:, 0], area)
+        stiffness = (self.wall + cone_integral(values, reach, self.harmonics))[1:, 1:]
+        value, vector = sl.eigh(stiffness, check_finite=False)
+        root = np.sqrt(np.maximum(value, REGULAR * value[-1]))
+        flux = np.zeros((len(points), 3, values.shape[1] - 1))
+        spread_flux(self.triangles, values[:, 1:], area, flux)
+        return RitzShape(
+            liquid=self, area=area, values=values, inverse=vector / root,
+            flux=flux.reshape(-1, flux.shape[2]),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class RitzShape:
+    """The liquid in one shape.
+
+    ``area`` (m, 3) [m^2] of the triangles; ``values`` (m, k) of the harmonics at their centroids;
+    ``inverse`` W (k - 1, k - 1) [m^(-1/2)]: W W^T is the stiffness' inverse, no constant in it;
+    ``flux`` (3n, k - 1) [m^2]: int H_i n dS of each node's velocity.
+    """
+
+    liquid: RitzLiquid
+    area: Array
+    values: Array
+    inverse: Array
+    flux: Array
+
+    def rows(self) -> Array:
+        """Rows B (k - 1, n, 3) [kg^(1/2)] of the added mass M = B^T B: T = |B v|^2/2."""
+        scaled = np.sqrt(self.liquid.density) * self.inverse.T @ self.flux.T
+        return np.asarray(scaled).reshape(len(scaled), -1, 3)
+
+    def potential(self, velocity: Array) -> Array:
+        """Coefficients (k,) [m^2/s] of phi when the nodes move at ``velocity`` (n, 3) [m/s]."""
+        source = velocity.ravel() @ self.flux
+        return np.concatenate([[0.0], self.inverse @ (self.inverse.T @ source)])
+
+    def kinetic_energy(self, velocity: Array) -> float:
+        """T [J] when the nodes move at ``velocity`` (n, 3) [m/s]."""
+        source = velocity.ravel() @ self.flux
+        return 0.5 * self.liquid.density * float(source @ self.potential(velocity)[1:])
+
+    def pressure(self, rate: Array, coefficient: Array) -> Array:
+        """p* (m,) [Pa] on the triangles: dphi/dt and phi have the coefficients ``rate``
+        [m^2/s^2] and ``coefficient`` [m^2/s], both (k,)."""
+        return bernoulli(self.liquid, self.values, rate, coefficient)[0]
+
+    def force(self, pressure: Array) -> Array:
+        """Nodal forces (n, 3) [N] of ``pressure`` (m,) [Pa], towards the outside."""
+        force = np.zeros((len(self.flux) // 3, 3))
+        share = np.repeat(pressure[:, None] * self.area / 3.0, 3, axis=0)
+        np.add.at(force, self.liquid.triangles.ravel(), share)
+        return force
+
+
+def bernoulli(
+    liquid: RitzLiquid, values: Array, rate: Array, coefficient: Array
+) -> tuple[Array, Array]:
+    """p* = -rho (dphi/dt + |grad phi|^2/2) [Pa] and |grad phi| [m/s], both (N,).
+
+    ``values`` (N, k) of the harmonics where they are wanted; the rest as in ``RitzShape``.
+    """
+    slopes = (values @ (slope @ coefficient) for slope in liquid.harmonics.slopes)
+    square = sum((slope**2 for slope in slopes), np.zeros(len(values)))
+    return -liquid.density * (values @ rate + 0.5 * square), np.sqrt(square)
+
+
+def cone_integral(values: Array, reach: Array, harmonics: SolidHarmonics) -> Array:
+    """int grad H_i . grad H_j dV (k, k) [m] over the cone from the origin to a surface.
+
+    ``values`` (N, k) of the harmonics at the surface's samples, ``reach`` (N,) [m^3] their x.n dS.
+    """
+    product = values.T @ (reach[:, None] * values)
+    total = sum((slope.T @ product @ slope for slope in harmonics.slopes), 0.0 * product)
+    degree = harmonics.degrees  # a gradient's product has the degree a - 1 + b - 1
+    return np.asarray(total / np.maximum(degree[:, None] + degree[None, :] + 1, 1))
+
+
+def wall_integral(harmonics: SolidHarmonics, points: Array, area: Array) -> Array:
+    """``cone_integral`` of fixed walls with samples ``points`` (N, 3) [m], ``area`` (N, 3) [m^2].
+
+    The area vectors point out of the liquid; the origin may lie anywhere.
+    """
+    return cone_integral(harmonics.values(points), np.sum(points * area, axis=1), harmonics)
+
+
+def cap_samples(harmonics: SolidHarmonics, level: float) -> tuple[Array, Array]:
+    """Points (N, 3) [m] on the shell below z = ``level`` radii and their area vectors (N, 3) [m^2].
+
+    Exact for products of two of the harmonics: Gauss's points in height, even ones around.
+    """
+    count = harmonics.degree + 1
+    node, weight = np.polynomial.legendre.leggauss(count)
+    height, weight = 0.5 * (level - 1.0) + 0.5 * (level + 1.0) * node, 0.5 * (level + 1.0) * weight
+    angle = np.pi * np.arange(2 * count) / count
+    across = np.sqrt(1.0 - height**2)[:, None]
+    normal = np.empty((count, 2 * count, 3))
+    normal[..., 0], normal[..., 1] = across * np.cos(angle), across * np.sin(angle)
+    normal[..., 2] = height[:, None]
+    outward: Array = normal.reshape(-1, 3)
+    size = np.repeat(weight * np.pi / count, 2 * count) * harmonics.radius**2
+    return harmonics.radius * outward, size[:, None] * outward
+
+
+def hemisphere_samples(harmonics: SolidHarmonics) -> tuple[Array, Array]:
+    """``cap_samples`` of the shell below the equator."""
+    return cap_samples(harmonics, 0.0)
+
+
+def lower_hemisphere(harmonics: SolidHarmonics) -> Array:
+    """``cone_integral`` of the shell below the equator."""
+    return wall_integral(harmonics, *hemisphere_samples(harmonics))
+
+
+@compiled
+def spread_flux(triangles: Ints, values: Array, area: Array, flux: Array) -> None:
+    """Add to ``flux`` (n, 3, k) a third of ``values`` (m, k) times ``area`` (m, 3) at each node."""
+    for t in range(triangles.shape[0]):
+        for i in triangles[t]:
+            for axis in range(3):
+                share = area[t, axis] / 3.0
+                for k in range(values.shape[1]):
+                    flux[i, axis, k] += share * values[t, k]

@@ -1,0 +1,1 @@
+"""How the tank moves, and what is known of its motion before a run."""

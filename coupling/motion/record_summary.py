@@ -1,0 +1,127 @@
+"""What is known of a measured record before it is run: in a line, and in warnings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coupling.ports import Array
+from coupling.scene.motion_table import MotionTable
+from coupling.scene.scene import Scene
+
+GRAVITY = 9.80665  # m/s^2
+_NEAR = 0.1  # of gravity: how near to it a mean is taken to contain it
+_ENOUGH = 10  # samples from which on steps are called uneven
+_GAP = 1.5  # times the median step: one sample is missing
+_FEW = 0.05  # share of the steps up to which longer ones are gaps
+_UNEVEN = 0.1  # of the median step: spread of nine steps in ten
+MATERIAL = 0.05  # share of the power above what the time step carries
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordSummary:
+    """What a scene's table of accelerations is.
+
+    ``says``: what was read, in a line; ``power_above_step``: share of its power above half the
+    rate of the time steps; ``warnings``: what may be wrong, a sentence and a mend each.
+    """
+
+    says: str
+    power_above_step: float
+    warnings: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by name."""
+        return asdict(self)
+
+
+def record_summary(scene: Scene) -> RecordSummary | None:
+    """Of the accelerations that shake a scene's tank; None where they come from no table."""
+    if scene.motion.kind != "table":
+        return None
+    table = scene.motion.record
+    above = table.power_above(_carried(scene))
+    return RecordSummary(
+        says=_line(scene, table, above),
+        power_above_step=above,
+        warnings=(
+            *_step_warnings(scene, table, above),
+            *_gravity_warnings(table),
+            *_gap_warnings(table),
+        ),
+    )
+
+
+def _line(scene: Scene, table: MotionTable, above: float) -> str:
+    rate = 1.0 / float(np.median(np.diff(table.time)))
+    peak = table.acceleration[np.argmax(np.sum(table.acceleration**2, axis=1))]
+    return (
+        f"record {Path(scene.motion.file or '').name}: {table.read}; {len(table.time)} samples at "
+        f"{rate:.4g} Hz, {table.time[0]:.4g} to {table.time[-1]:.4g} s, "
+        f"mean {_vector(table.mean)}, peak {_vector(peak)} m/s^2; "
+        f"{100.0 * above:.3g} % of its power is above the "
+        f"{_carried(scene):.4g} Hz that time.step = {scene.time.step:g} s carries"
+    )
+
+
+def _carried(scene: Scene) -> float:
+    """Highest frequency [Hz] that steps of ``time.step`` can carry."""
+    return 0.5 / scene.time.step
+
+
+def _step_warnings(scene: Scene, table: MotionTable, above: float) -> list[str]:
+    if above <= MATERIAL:
+        return []
+    frequency = table.characteristic_frequency
+    return [
+        f"{100.0 * above:.3g} % of the record's power is above {_carried(scene):.4g} Hz, half the "
+        f"rate of the time steps, and is averaged out. Take time.step = {0.4 / frequency:.2g} or "
+        "less to carry nine tenths of it, or leave it if the liquid does not feel what is faster."
+    ]
+
+
+def _gravity_warnings(table: MotionTable) -> list[str]:
+    size = float(np.linalg.norm(table.mean))
+    if abs(size / GRAVITY - 1.0) < _NEAR:
+        return [
+            f"the record's mean is {_vector(table.mean)} m/s^2, near 1 g: it seems to contain "
+            "gravity, which the scene adds itself. Subtract the mean, and see that the axes are "
+            "the tank's, unless the tank is really accelerated so."
+        ]
+    if not table.units_given and abs(size - 1.0) < _NEAR:
+        return [
+            f"the record's mean is {size:.3g}, taken for m/s^2 since the file gives no unit: it "
+            "seems to be in g and to contain gravity. Name the unit in the header, such as "
+            "ax (g), and subtract the mean."
+        ]
+    return []
+
+
+def _gap_warnings(table: MotionTable) -> list[str]:
+    steps = np.diff(table.time)
+    median = float(np.median(steps))
+    if len(table.time) < _ENOUGH:
+        return []
+    changed = np.any(table.acceleration[1:] != table.acceleration[:-1], axis=1)
+    wide = (steps > _GAP * median) & changed  # across the others the tank coasts
+    if 0.0 < wide.mean() <= _FEW:
+        longest = int(np.argmax(steps * wide))
+        return [
+            f"the record has gaps, {int(wide.sum())} in all, the longest of {steps[longest]:.3g} s "
+            f"from t = {table.time[longest]:.4g} s. Fill them, or accept that it is linear there."
+        ]
+    low, high = np.quantile(steps, (0.05, 0.95))
+    if high - low > _UNEVEN * median:
+        return [
+            f"the record's steps are uneven, {steps.min():.3g} to {steps.max():.3g} s. Check that "
+            "its times are right; it is taken as linear between them."
+        ]
+    return []
+
+
+def _vector(values: Array) -> str:
+    least = 1e-6 * np.abs(values).max()
+    return "(" + ", ".join(f"{value:.3g}" if abs(value) > least else "0" for value in values) + ")"

@@ -1,0 +1,141 @@
+"""One instant of a run put together from both sides of the interface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from coupling.interface.liquid_shape import liquid_cg
+from coupling.metrics.bernoulli import node_areas, weighted_rms
+from coupling.ports import (
+    Array,
+    DiaphragmState,
+    FlowSample,
+    HydrostaticLoad,
+    Ints,
+    LiquidSample,
+)
+from coupling.store.run_record import Sample
+
+LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy", "wall_slip")
+MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error", "wall_distance")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodePressures:
+    """What ``LiquidSample`` tells of the diaphragm's faces at its nodes, each (n,) [Pa]."""
+
+    dynamic: Array
+    kinetic: Array
+    viscous: Array
+
+
+def still(nodes: int) -> NodePressures:
+    """Those of a liquid without a flow."""
+    none = np.zeros(nodes)
+    return NodePressures(dynamic=none, kinetic=none, viscous=none)
+
+
+def at_nodes(liquid: LiquidSample, to_nodes: Callable[[Array], Array]) -> NodePressures:
+    """Those of ``liquid``; ``to_nodes`` takes values on faces (F,) to the nodes (n,)."""
+    return NodePressures(
+        dynamic=to_nodes(liquid.face_pressure),
+        kinetic=to_nodes(liquid.kinetic_pressure),
+        viscous=to_nodes(liquid.viscous_traction),
+    )
+
+
+def sample_at(
+    time: float,
+    *,
+    state: DiaphragmState,
+    triangles: Ints,
+    radius: float,
+    load: HydrostaticLoad,
+    acceleration: Array,
+    displacement: Array,
+    flow: LiquidSample | None,
+    pressures: NodePressures,
+    iterations: int,
+    residual: float,
+    metrics: dict[str, float],
+) -> Sample:
+    """Results at ``time`` [s]; shapes and units as in ``Sample``.
+
+    The force on tank and diaphragm is that of the hydrostatic pressure on the closed boundary,
+    rho V b, and of p* on the flow's walls; the wall's shear, of the order of sqrt(nu f) times the
+    speed, is left out.
+    """
+    weight = load.density * load.body_force * state.volume
+    cg = liquid_cg(state.position, triangles, radius, state.volume)
+    force, moment = weight, np.cross(cg, weight)
+    if flow is not None:
+        force = force + flow.wall_pressure_force
+        moment = moment + flow.wall_pressure_moment
+    hydrostatic = state.datum_pressure + load.density * state.position @ load.body_force
+    return Sample(
+        time=time,
+        tank_acceleration=acceleration,
+        tank_displacement=displacement,
+        position=state.position,
+        pressure=hydrostatic + pressures.dynamic,
+        dynamic_pressure=pressures.dynamic,
+        strain=state.strain,
+        tension=state.tension,
+        shell_slip=state.shell_slip,
+        self_slip=state.self_slip,
+        volume=state.volume,
+        datum_pressure=state.datum_pressure,
+        liquid_cg=cg,
+        force=force,
+        moment=moment,
+        iterations=iterations,
+        residual=residual,
+        metrics=metrics | split_metrics(state.position, triangles, hydrostatic, pressures),
+    )
+
+
+def split_metrics(
+    position: Array, triangles: Ints, hydrostatic: Array, pressures: NodePressures
+) -> dict[str, float]:
+    """rms over the diaphragm [Pa] of the parts of p*, weighed as ``dynamic_fraction`` weighs.
+
+    ``position`` (n, 3) [m], ``triangles`` (m, 3), ``hydrostatic`` (n,) [Pa]. Of pressures the mean
+    over the diaphragm is removed; the viscous traction is a size, and its mean is not.
+    """
+    weight = node_areas(position[None], triangles)
+    parts = {
+        "hydrostatic_pressure_rms": hydrostatic,
+        "dynamic_pressure_rms": pressures.dynamic,
+        "unsteady_pressure_rms": pressures.dynamic - pressures.kinetic,
+        "kinetic_pressure_rms": pressures.kinetic,
+    }
+    found = {name: weighted_rms(values[None], weight) for name, values in parts.items()}
+    square = float(weight[0] @ pressures.viscous**2 / weight.sum())
+    return found | {"viscous_traction_rms": float(np.sqrt(square))}
+
+
+def flow_metrics(
+    flow: FlowSample | None, non_orthogonality: float, wall_distance: float
+) -> dict[str, float]:
+    """The flow's scalars for a sample; at the start the liquid is at rest and has only its mesh.
+
+    ``non_orthogonality`` [deg], ``wall_distance`` [m]: the committed mesh's.
+    """
+    if flow is None:
+        return liquid_metrics(None) | {
+            "non_orthogonality_max": non_orthogonality,
+            "volume_error": 0.0,
+            "continuity_error": 0.0,
+            "wall_distance": wall_distance,
+        }
+    return liquid_metrics(flow) | {name: float(getattr(flow, name)) for name in MESH_METRICS}
+
+
+def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
+    """A moving liquid's scalars for a sample; at the start it is at rest."""
+    if liquid is None:
+        return dict.fromkeys(LIQUID_METRICS, 0.0)
+    return {name: float(getattr(liquid, name)) for name in LIQUID_METRICS}

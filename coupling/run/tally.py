@@ -1,0 +1,111 @@
+"""What a run counts and says as it goes, and when it has to stop."""
+
+from __future__ import annotations
+
+import logging
+from time import perf_counter
+
+import numpy as np
+
+from coupling.metrics.strains import spread
+from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
+from coupling.run.mends import better_scheme, said
+from coupling.scene.scene import Scene
+from coupling.step.coupled import StepOutcome
+from coupling.store.run_record import RunStatistics
+
+_log = logging.getLogger(__name__)
+
+
+class Tally:
+    """``statistics`` of a run, with a word in the log where a limit is passed.
+
+    ``thickness`` and ``areas`` (m,) [m, m^2] of the diaphragm's triangles, as moulded.
+    """
+
+    def __init__(self, scene: Scene, thickness: Array, areas: Array) -> None:
+        self.scene, self.thickness, self.areas = scene, thickness, areas
+        self.statistics = RunStatistics()
+        self._unconverged_at: float | None = None  # time [s] of the last step that did not converge
+
+    def seconds(self, part: str, since: float) -> None:
+        """Add the wall time since ``since`` (a ``perf_counter``) to ``part``."""
+        self.statistics.wall_by_part[part] += perf_counter() - since
+
+    def stretched(self, dt: float, state: DiaphragmState) -> None:
+        """The diaphragm at the end of a part of a step, of ``dt`` [s]."""
+        strain = float(state.strain.max(initial=0.0))
+        statistics = self.statistics
+        before, now = np.array(statistics.strain_areas), dt * spread(state.strain, self.areas)
+        statistics.strain_areas = (before + now if len(before) else now).tolist()
+        statistics.strain_tensile_max = max(statistics.strain_tensile_max, strain)
+        statistics.tension_max = max(statistics.tension_max, float(state.tension.max()))
+        stress = float((state.tension / self.thickness).max())
+        statistics.stress_max = max(statistics.stress_max, stress)
+
+    def solved(self, iterations: int, *, converged: bool) -> None:
+        """The inner iterations of the solve that a part of a step ends with."""
+        statistics = self.statistics
+        statistics.cloth_solves += 1
+        statistics.cloth_iterations_total += iterations
+        statistics.cloth_iterations_max = max(statistics.cloth_iterations_max, iterations)
+        statistics.cloth_unconverged += not converged
+
+    def structure(self, time: float, state: DiaphragmState, *, converged: bool, steps: int) -> None:
+        """The diaphragm's end of a step, of ``steps`` parts which all ``converged``, or not."""
+        self.statistics.halved_steps += steps > 1
+        if not converged:
+            self._unconverged(
+                time,
+                f"t = {time:.6g} s: the diaphragm's solver left {state.change:.1e} m of motion "
+                f"(tolerance {self.scene.cloth.tolerance * self.scene.tank.radius:.1e} m), or "
+                "parts of the sheet in each other.",
+                f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
+            )
+
+    def volume(self, error: float) -> None:
+        """Relative ``error`` of the liquid's volume after a step."""
+        self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
+
+    def liquid(self, sample: LiquidSample, iterations: int) -> None:
+        """A moving liquid's end of a step, which took ``iterations``."""
+        statistics = self.statistics
+        statistics.iterations_total += iterations
+        statistics.iterations_max = max(statistics.iterations_max, iterations)
+        self.flow(sample)
+
+    def flow(self, sample: LiquidSample) -> None:
+        """A moving liquid at the end of a part of a step."""
+        statistics = self.statistics
+        statistics.speed_max = max(statistics.speed_max or 0.0, sample.speed_max)
+        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, sample.dphi_dt_max)
+
+    def coupling(self, time: float, outcome: StepOutcome) -> None:
+        """A coupled step; raises ``RunFailed`` when too many did not converge."""
+        self.liquid(outcome.sample, outcome.iterations)
+        for part in outcome.parts:
+            self.flow(part)
+            self.volume(part.volume_error)
+        if not outcome.converged:
+            self._unconverged(
+                time,
+                f"t = {time:.6g} s: the coupling left a relative residual of "
+                f"{outcome.residual:.1e} after {outcome.iterations} iterations in all (tolerance "
+                f"{self.scene.coupling.tolerance:g}).",
+                said(
+                    [
+                        *better_scheme(self.scene),
+                        f"halve time.step (it is {self.scene.time.step:g} s)",
+                        f"raise coupling.max_iterations above {self.scene.coupling.max_iterations}",
+                    ]
+                ),
+            )
+
+    def _unconverged(self, time: float, message: str, mend: str) -> None:
+        """Count the step that ends at ``time`` [s], once however much of it did not converge."""
+        _log.warning(message)
+        self.statistics.unconverged_steps += time != self._unconverged_at
+        self._unconverged_at = time
+        if self.statistics.unconverged_steps > self.scene.coupling.max_unconverged:
+            count = self.statistics.unconverged_steps
+            raise RunFailed(f"{message} {count} steps did not converge. {mend}")

@@ -1,0 +1,1 @@
+"""What is simulated: the sections of a scene, their checks, and the tables that they name."""

@@ -1,0 +1,223 @@
+"""What the sections of a scene must be to each other, and the files that it names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coupling.finite_volume.mesh import cells_above, cells_made
+from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
+from coupling.scene.sections import LEAST, Motion
+from coupling.scene.tables.text import TableError
+from coupling.scene.wrinkles import (
+    CELLS_A_WAVELENGTH,
+    grid_spacing,
+    rings_to_resolve,
+    shortest_wavelength,
+)
+
+if TYPE_CHECKING:
+    from coupling.scene.scene import Scene
+
+THICKNESS_OVER_RADIUS = 0.05
+FARTHEST_CELLS = 1.5  # that may be asked, over those that the mesh has
+
+
+def problems_between(scene: Scene) -> list[str]:
+    """One line ``key: what is wrong. Mend.`` for each problem of more than one section."""
+    return [
+        *_check_shape(scene),
+        *_check_gravity(scene),
+        *_check_cells(scene),
+        *_check_grid(scene),
+        *_check_losses(scene),
+        *_check_wrinkling(scene),
+        *_check_motion(scene),
+        *_check_time(scene),
+    ]
+
+
+def _check_shape(scene: Scene) -> list[str]:
+    problems = []
+    thickest = THICKNESS_OVER_RADIUS * scene.tank.radius
+    thinnest, thickness = scene.diaphragm.thickness_range
+    if thinnest < LEAST:
+        problems.append(
+            f"diaphragm.thickness_map: must be at least {LEAST:g} m thick, got {thinnest:g}. "
+            "Give metres."
+        )
+    if thickness >= thickest:
+        key = "thickness" if scene.diaphragm.thickness_map is None else "thickness_map"
+        problems.append(
+            f"diaphragm.{key}: must be below {THICKNESS_OVER_RADIUS} radii ({thickest:.4g} m), "
+            f"got {thickness:g}. Give metres; a thicker diaphragm is no membrane."
+        )
+    return problems
+
+
+def _check_gravity(scene: Scene) -> list[str]:
+    if scene.gravity[2] < 0.0:
+        return []
+    what = f"gravity: its z component must be negative, got {list(scene.gravity)}. "
+    if any(scene.gravity):
+        return [
+            f"{what}Turn the axes so that the liquid lies below the diaphragm, at negative z; a "
+            "tank upside down, its liquid on top of the rubber, is not computed."
+        ]
+    return [
+        f"{what}A weightless liquid has no level that the diaphragm could settle on: give the "
+        "steady acceleration that holds it down, such as [0.0, 0.0, -9.81] on the ground."
+    ]
+
+
+def _check_cells(scene: Scene) -> list[str]:
+    """The meshes come in steps: whether the one taken has about as many cells as were asked."""
+    asked = scene.openfoam.cells
+    made, next_ = cells_made(asked), cells_above(asked)
+    if asked <= FARTHEST_CELLS * made:
+        return []
+    return [
+        f"openfoam.cells: the mesh of at most {asked} cells has {made}, the next one {next_}. "
+        f"Give {made} or {next_}."
+    ]
+
+
+def _check_grid(scene: Scene) -> list[str]:
+    """What the thesis' grid can do: one thickness, a hinged rim, no compliance, no volume kept."""
+    if scene.cloth.grid != "thesis":
+        return []
+    problems = []
+    if scene.model.fluid != "datum":
+        problems.append(
+            f'cloth.grid: "thesis" needs model.fluid = "datum", got "{scene.model.fluid}". '
+            'Take cloth.grid = "rings" for a liquid that keeps its volume.'
+        )
+    if scene.cloth.resolution % 2:
+        problems.append(
+            f'cloth.resolution: must be even for cloth.grid = "thesis", got '
+            f"{scene.cloth.resolution}. Give the number of nodes across, 26 in the thesis."
+        )
+    if not scene.diaphragm.inextensible:
+        problems.append(
+            'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false. '
+            'Take cloth.grid = "rings" for a diaphragm that stretches.'
+        )
+    if scene.diaphragm.rim != "hinged":
+        problems.append(
+            f'diaphragm.rim: must be "hinged" for cloth.grid = "thesis", got '
+            f'"{scene.diaphragm.rim}". Take cloth.grid = "rings" for a clamped rim.'
+        )
+    if scene.diaphragm.thickness_map is not None:
+        problems.append(
+            'diaphragm.thickness_map: does not apply to cloth.grid = "thesis". '
+            'Give diaphragm.thickness, or take cloth.grid = "rings".'
+        )
+    if scene.cloth.wrinkling != "relaxed":
+        problems.append(
+            f'cloth.wrinkling: does not apply to cloth.grid = "thesis", got '
+            f'"{scene.cloth.wrinkling}". Leave it out, or take cloth.grid = "rings".'
+        )
+    return problems
+
+
+def _check_losses(scene: Scene) -> list[str]:
+    """What the rubber's loss is of, and at which frequency."""
+    rubber, problems = scene.diaphragm, []
+    for key in ("friction_shell", "friction_self"):
+        value = getattr(rubber, key)
+        if value > 0.0 and scene.cloth.grid == "thesis":
+            problems.append(
+                f'diaphragm.{key}: does not apply to cloth.grid = "thesis", got {value:g}. '
+                'Leave it out, or take cloth.grid = "rings".'
+            )
+    if rubber.loss_factor == 0.0:
+        return problems
+    if rubber.inextensible:
+        problems.append(
+            f"diaphragm.loss_factor: is of the rubber's own stretch, got {rubber.loss_factor:g} "
+            "with inextensible = true, whose stretch is numerical and tends to nothing. Give "
+            "diaphragm.inextensible = false, or leave it out."
+        )
+    if rubber.loss_frequency is None and scene.period is None:
+        problems.append(
+            "diaphragm.loss_frequency: is required for a loss_factor without a sine, got none. "
+            f"Give the {type(rubber).model_fields['loss_frequency'].description}."
+        )
+    return problems
+
+
+def _check_wrinkling(scene: Scene) -> list[str]:
+    """Whether the grid is fine enough for the wrinkles that it is asked to resolve."""
+    cloth, radius = scene.cloth, scene.tank.radius
+    if cloth.wrinkling != "resolved" or cloth.grid == "thesis":
+        return []
+    wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
+    needed = rings_to_resolve(radius, wavelength)
+    if cloth.resolution >= needed:
+        return []
+    finer = f"Give cloth.resolution = {needed} or more, or take"
+    mend = finer if needed <= MOST_RINGS else f"A grid has at most {MOST_RINGS} rings: take"
+    return [
+        f'cloth.wrinkling: "resolved" needs {CELLS_A_WAVELENGTH} spacings to the elasto-gravity '
+        f"wavelength of {wavelength:.4g} m, so {needed} rings; got {cloth.resolution} rings, "
+        f'{grid_spacing(radius, cloth):.4g} m apart. {mend} cloth.wrinkling = "relaxed".'
+    ]
+
+
+def _check_motion(scene: Scene) -> list[str]:
+    motion = scene.motion
+    needs: dict[str, tuple[str, ...]] = {
+        "sine": ("frequency", "amplitude"),
+        "table": ("file",),
+        "rest": (),
+    }
+    problems = [
+        f'motion.{key}: is required for kind = "{motion.kind}". '
+        f"Give the {Motion.model_fields[key].description}."
+        for key in needs[motion.kind]
+        if getattr(motion, key) is None
+    ]
+    if not any(motion.direction):
+        problems.append(
+            "motion.direction: must not be zero, got [0, 0, 0]. "
+            "Give the direction of the shaking, such as [1.0, 0.0, 0.0]."
+        )
+    if motion.file is not None and motion.kind != "table":
+        problems.append(
+            f'motion.file: is read with motion.kind = "table" only, got kind = "{motion.kind}". '
+            'Set motion.kind = "table", or leave the file out.'
+        )
+    if motion.kind == "table" and motion.file is not None:
+        problems += _check_table(motion, scene.time.step * scene.time.steps)
+    return problems
+
+
+def _check_table(motion: Motion, end: float) -> list[str]:
+    try:
+        table = motion.record
+    except TableError as error:
+        return [f"motion.file: {error}"]
+    first, last = float(table.time[0]), float(table.time[-1])
+    if first > 0.0 or last < end * (1.0 - 1e-9):
+        return [
+            f"motion.file: {motion.file}: must cover 0 to {end:g} s, covers {first:g} to "
+            f"{last:g} s. Shorten time.duration, or give a longer table that starts at 0."
+        ]
+    return []
+
+
+def _check_time(scene: Scene) -> list[str]:
+    time, problems = scene.time, []
+    if time.duration < time.step:
+        problems.append(
+            f"time.duration: must be at least time.step ({time.step:g} s), got {time.duration:g}. "
+            "Give a longer duration, or a smaller step."
+        )
+    longest = None if scene.period is None else scene.period / FEWEST_STEPS_A_PERIOD
+    if longest is not None and time.step > longest * (1.0 + 1e-9):
+        problems.append(
+            f"time.step: must be at most 1/{FEWEST_STEPS_A_PERIOD} of the motion's period "
+            f"({longest:.4g} s), got {time.step:g}. Give a smaller step."
+        )
+    return problems

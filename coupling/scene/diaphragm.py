@@ -1,0 +1,161 @@
+"""The rubber of a scene: by the name of an elastomer or by numbers, of one thickness or by a map.
+
+Descriptions complete the sentence "Give the ...", as in ``sections``.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from cloth.material import ELASTOMERS
+from cloth.material import Diaphragm as Sheet
+from coupling.scene.sections import Section
+from coupling.scene.tables.text import TableError
+from coupling.scene.thickness_map import ThicknessMap, read_thickness_map
+
+_MATERIAL: dict[str, Any] = {"instead": 'a known material such as material = "AF-E-332"'}
+_MAP: dict[str, Any] = {"instead": "a thickness_map"}
+
+
+def named_material(name: str) -> dict[str, float]:
+    """Density, modulus, Poisson's ratio and strength of a built-in elastomer, where known.
+
+    Raises ``PydanticCustomError`` for a name that is not built in.
+    """
+    found = {known.lower(): data for known, data in ELASTOMERS.items()}.get(name.lower())
+    if found is None:
+        raise PydanticCustomError(
+            "unknown_name",
+            "is not a built-in elastomer. Use one of {names}, or give density, youngs_modulus "
+            "and poisson_ratio",
+            {"key": "material", "names": ", ".join(ELASTOMERS)},
+        )
+    values = {
+        "density": found.density,
+        "youngs_modulus": found.youngs_modulus,
+        "poisson_ratio": found.poisson_ratio,
+        "strength": found.strength,
+    }
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def _mean_of_map(given: dict[str, Any]) -> float:
+    """Mean thickness [m] of the map that a diaphragm is given.
+
+    Raises ``PydanticCustomError`` for a wrong map, and for a thickness beside it.
+    """
+    problems = []
+    if "thickness" in given:
+        problems.append(
+            f"diaphragm.thickness: is the mean of thickness_map, got {given['thickness']} beside "
+            "it. Leave one of the two out."
+        )
+    try:
+        mean = read_thickness_map(Path(given["thickness_map"])).mean
+    except TableError as error:
+        problems.append(f"diaphragm.thickness_map: {error}")
+    else:
+        if not problems:
+            return mean
+    raise PydanticCustomError("cross_check", "{problems}", {"problems": "\n".join(problems)})
+
+
+class Diaphragm(Section):
+    """The rubber, moulded as a hemisphere and held at the equator.
+
+    Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
+    breaks at ``strength``: it is there to be compared with the tension. With a ``thickness_map``,
+    ``thickness`` is left out and stands for the map's mean over the moulded area. A hinged rim
+    turns freely, as the thesis' simple support does; a clamped one holds the moulded slope.
+    """
+
+    thickness: float = Field(
+        gt=0,
+        description="thickness of the rubber [m], below 0.05 radii",
+        json_schema_extra=_MAP,
+    )
+    thickness_map: str | None = Field(
+        default=None,
+        description="CSV file with columns polar, azimuth, thickness (degrees, degrees, m, or as "
+        "its header says)",
+    )
+    material: str | None = Field(default=None, description="name of a built-in elastomer")
+    density: float = Field(
+        gt=0, description="density of the rubber [kg/m^3]", json_schema_extra=_MATERIAL
+    )
+    youngs_modulus: float = Field(
+        gt=0, description="Young's modulus of the rubber [Pa]", json_schema_extra=_MATERIAL
+    )
+    poisson_ratio: float = Field(
+        ge=0, le=0.5, description="Poisson ratio, 0.5 for rubber", json_schema_extra=_MATERIAL
+    )
+    strength: float | None = Field(
+        default=None, gt=0, description="tensile strength of the rubber [Pa]"
+    )
+    inextensible: bool = Field(
+        default=True, description="value false for the rubber's own compliance 1/(E t)"
+    )
+    rim: Literal["hinged", "clamped"] = Field(
+        default="hinged",
+        description='support at the equator: "hinged" or "clamped" (the moulded slope is held)',
+    )
+    loss_factor: float = Field(
+        default=0.0,
+        ge=0,
+        le=2,
+        description="loss factor of the rubber's stretch, tan delta at loss_frequency; needs "
+        "inextensible = false",
+    )
+    loss_frequency: float | None = Field(
+        default=None,
+        gt=0,
+        description="frequency [Hz] of loss_factor, a sine's own if left out",
+    )
+    friction_shell: float = Field(
+        default=0.0, ge=0, le=5, description="Coulomb coefficient of friction on the shell"
+    )
+    friction_self: float = Field(
+        default=0.0, ge=0, le=5, description="Coulomb coefficient of friction on itself"
+    )
+    held: bool = Field(
+        default=False, description="value true to hold the settled shape (rigid-body limit)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            return given
+        if isinstance(given.get("thickness_map"), str):
+            given = given | {"thickness": _mean_of_map(given)}
+        if isinstance(given.get("material"), str):
+            given = named_material(given["material"]) | given
+        return given
+
+    @cached_property
+    def moulded_thickness(self) -> ThicknessMap | None:
+        """The map, None where the rubber is of one thickness; read once."""
+        return None if self.thickness_map is None else read_thickness_map(Path(self.thickness_map))
+
+    @property
+    def thickness_range(self) -> tuple[float, float]:
+        """Least and largest thickness [m]."""
+        ridges = self.moulded_thickness
+        if ridges is None:
+            return self.thickness, self.thickness
+        return float(ridges.thickness.min()), float(ridges.thickness.max())
+
+    @property
+    def sheet(self) -> Sheet:
+        """The rubber as the cloth knows it, with what follows from these numbers."""
+        return Sheet(
+            thickness=self.thickness,
+            density=self.density,
+            youngs_modulus=self.youngs_modulus,
+            poisson_ratio=self.poisson_ratio,
+        )

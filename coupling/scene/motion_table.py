@@ -1,0 +1,140 @@
+"""Measured tank accelerations: a table of time, ax, ay and az, and what can be said of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from coupling.ports import Array
+from coupling.scene.tables.columns import ACCELERATION, TIME, Column
+from coupling.scene.tables.file import Table, table_of
+from coupling.scene.tables.text import TableError, read_content
+
+_AXIS = (
+    r"(linear)?(a|acc|accel|accelerometer|acceleration|beschleunigung|beschl)?"
+    r"(axis|achse)?{0}(axis|achse|acc|accel|acceleration)?"
+)
+COLUMNS = (
+    Column(
+        name="time",
+        pattern=r"t|time|times?stamps?|zeit|datetime|elapsed|elapsedtime|timeelapsed|relativetime"
+        r"|utc|utctime|epoch|epochtime|unixtime|isotime|localtime",
+        unit="s",
+        units=TIME,
+        clock=True,
+    ),
+    *(
+        Column(name=f"a{axis}", pattern=_AXIS.format(axis), unit="m/s^2", units=ACCELERATION)
+        for axis in "xyz"
+    ),
+)
+_MANY = 10  # samples from which on a record's rate says something
+_SLOWEST = 0.5  # s between samples, above which a time without a unit may be milliseconds
+
+
+POWER = 0.9  # of a table's acceleration: the share that lies below its characteristic frequency
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionTable:
+    """``time`` (k,) [s], strictly increasing; ``acceleration`` (k, 3) [m/s^2], linear in between.
+
+    ``read``: what the file was taken for; ``units_given``: whether it names its units.
+    """
+
+    time: Array
+    acceleration: Array
+    read: str = ""
+    units_given: bool = True
+
+    @cached_property
+    def mean(self) -> Array:
+        """Mean acceleration (3,) [m/s^2] over time."""
+        middle = 0.5 * (self.acceleration[1:] + self.acceleration[:-1])
+        return np.asarray(np.diff(self.time) @ middle / (self.time[-1] - self.time[0]))
+
+    @cached_property
+    def _spectrum(self) -> tuple[Array, Array]:
+        """Frequencies (m,) [Hz] and the power (m,) up to each, of all axes, the mean left out."""
+        count = max(len(self.time) - 1, 64)
+        even = np.linspace(self.time[0], self.time[-1], count, endpoint=False)
+        signal = np.stack([np.interp(even, self.time, part) for part in self.acceleration.T])
+        signal -= signal.mean(axis=1, keepdims=True)
+        padded = next_fast_len(count, real=True)
+        lines = np.fft.rfft(signal, n=padded)
+        power = np.sum(lines.real**2 + lines.imag**2, axis=0)
+        return np.fft.rfftfreq(padded, even[1] - even[0]), np.cumsum(power)
+
+    @property
+    def characteristic_frequency(self) -> float:
+        """Frequency [Hz] below which POWER of the power lies, resolved to one over the length.
+
+        0 where nothing changes.
+        """
+        frequencies, power = self._spectrum
+        if power[-1] <= 0.0:
+            return 0.0
+        return float(frequencies[np.searchsorted(power, POWER * power[-1])])
+
+    def power_above(self, frequency: float) -> float:
+        """Share of the power that lies above ``frequency`` [Hz]; 0 where nothing changes."""
+        frequencies, power = self._spectrum
+        below = np.searchsorted(frequencies, frequency, side="right") - 1
+        return 0.0 if power[-1] <= 0.0 else float(1.0 - power[below] / power[-1])
+
+
+def read_motion_table(path: Path) -> MotionTable:
+    """Read a table of accelerations, laid out as ``table_of`` says.
+
+    Times that are dates, or seconds since 1970, start at 0. Raises ``TableError`` as that, for
+    times that do not increase, and for times without a unit that are so far apart that they may be
+    milliseconds. Whether the samples resolve the motion is not checked.
+    """
+    return _read(path, read_content(path))
+
+
+@lru_cache(maxsize=2)  # a study asks for the same record again and again
+def _read(path: Path, data: bytes) -> MotionTable:
+    table = table_of(path, data, COLUMNS)
+    time = table.values[:, 0]
+    unordered = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(unordered) > 0:
+        row = int(unordered[0]) + 1
+        more = f" (and {len(unordered) - 1} more lines)" if len(unordered) > 1 else ""
+        raise TableError(
+            f"{table.where(row)}: time must increase, got {time[row]:.10g} after "
+            f"{time[row - 1]:.10g}{more}. Sort the lines and remove repeated times."
+        )
+    apart = float(np.median(np.diff(time)))
+    if len(time) >= _MANY and apart >= _SLOWEST and not table.units[0] and table.start is None:
+        raise TableError(
+            f"{table.where(1)}: time steps by {apart:.4g}, and the file gives no unit of time. "
+            "Name it in a header, such as time (ms), ax (m/s^2), ay (m/s^2), az (m/s^2)."
+        )
+    return MotionTable(
+        time=time,
+        acceleration=table.values[:, 1:],
+        read=_taken_for(table),
+        units_given=all(table.units[1:]),
+    )
+
+
+def _taken_for(table: Table) -> str:
+    """Columns and units, and where they are known from."""
+    units = [unit or column.unit for unit, column in zip(table.units, COLUMNS, strict=True)]
+    time = f"time [{units[0]}]" if table.start is None else f"time from {table.start} on"
+    pairs = zip(COLUMNS[1:], units[1:], strict=True)
+    axes = ", ".join(f"{column.name} [{unit}]" for column, unit in pairs)
+    if len(set(units[1:])) == 1:
+        axes = f"ax, ay, az [{units[1]}]"
+    known = all(table.units[1:]) and bool(table.units[0] or table.start)
+    if table.header == 0:
+        source = "columns and units assumed: the file has no header"
+    else:
+        source = f"by the header in line {table.header}{'' if known else ', missing units assumed'}"
+    unused = f", not used: {', '.join(table.others)}" if table.others else ""
+    return f"{time}, {axes} ({source}{unused})"

@@ -1,0 +1,162 @@
+"""What to simulate: a scene, read from TOML, checked as a whole, immutable.
+
+The sections stand in ``sections``, ``diaphragm`` and ``numerics``, what concerns more than one of
+them in ``checks``; here they are put together, read and turned into TOML. A ``Scene`` that exists
+is valid, its tables included.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import tomli_w
+from pydantic import Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
+
+from coupling.scene.checks import problems_between
+from coupling.scene.diaphragm import Diaphragm
+from coupling.scene.errors import SceneError, problems_of
+from coupling.scene.numerics import Cloth, Coupling, OpenFoam, Potential, Time
+from coupling.scene.periods import in_seconds
+from coupling.scene.sections import Liquid, Model, Motion, Section, Tank, Vector
+from coupling.scene.source import SCENE_FILE, apply_override, read_toml, scene_file
+
+__all__ = [
+    "SCENE_FILE",
+    "Scene",
+    "SceneError",
+    "load_scene",
+    "plain_values",
+    "scene_from",
+    "scene_toml",
+    "tables_of",
+    "with_overrides",
+]
+
+# Keys that name a file beside the scene, and what its copy in a run's folder is called.
+TABLE_FILES = {("motion", "file"): "motion.csv", ("diaphragm", "thickness_map"): "thickness.csv"}
+
+
+class Scene(Section):
+    """Everything that a run depends on, in SI units."""
+
+    title: str = Field(default="", description="title of the scene")
+    gravity: Vector = Field(
+        default=(0.0, 0.0, -9.81),
+        description="gravity [m/s^2] as three numbers; the liquid lies at negative z",
+    )
+    tank: Tank
+    diaphragm: Diaphragm
+    liquid: Liquid
+    motion: Motion = Motion()
+    model: Model = Model()
+    cloth: Cloth = Cloth()
+    potential: Potential = Potential()
+    openfoam: OpenFoam = OpenFoam()
+    coupling: Coupling = Coupling()
+    time: Time
+
+    @property
+    def liquid_volume(self) -> float:
+        """Volume of the liquid [m^3]."""
+        return self.liquid.fill_fraction * self.tank.volume
+
+    @property
+    def period(self) -> float | None:
+        """Of a sinusoidal motion [s]; None for any other."""
+        frequency = self.motion.frequency
+        return 1.0 / frequency if self.motion.kind == "sine" and frequency else None
+
+    @property
+    def loss_time(self) -> float:
+        """Time tau [s] of the rubber's loss, eta/(2 pi f) of ``cloth.viscous``."""
+        rubber = self.diaphragm
+        frequency = rubber.loss_frequency or 1.0 / (self.period or math.inf)
+        return rubber.loss_factor / (2.0 * math.pi * frequency) if frequency else 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _time_in_seconds(cls, given: Any) -> Any:
+        return in_seconds(given) if isinstance(given, dict) else given
+
+    @model_validator(mode="after")
+    def _check_together(self) -> Self:
+        problems = problems_between(self)
+        if problems:
+            raise PydanticCustomError(
+                "cross_check", "{problems}", {"problems": "\n".join(problems)}
+            )
+        return self
+
+
+def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read ``scene.toml`` from a folder, or the scene file ``path`` itself.
+
+    ``overrides`` are ``key=value`` with dotted keys; the value is TOML, or else a string. Files
+    named by ``motion.file`` and ``diaphragm.thickness_map`` are looked for beside the scene.
+
+    Raises ``SceneError`` with every problem found, each with its file, key, value and mend.
+    """
+    file = scene_file(path)
+    data = read_toml(file)
+    changed = [apply_override(data, text) for text in overrides]
+    for section, key in TABLE_FILES:
+        values = data.get(section)
+        if isinstance(values, dict) and isinstance(values.get(key), str):
+            values[key] = str((file.parent / values[key]).resolve())
+    return scene_from(data, where=str(file), changed=changed)
+
+
+def scene_from(data: Mapping[str, Any], where: str = "scene", changed: Sequence[str] = ()) -> Scene:
+    """Scene from plain values; ``changed`` are the dotted keys that did not come from ``where``.
+
+    Raises ``SceneError``.
+    """
+    try:
+        return Scene.model_validate(dict(data))
+    except ValidationError as error:
+        lines = []
+        for problem in problems_of(error, Scene):
+            key = problem.partition(":")[0]
+            from_override = any(name == key or name.startswith(f"{key}.") for name in changed)
+            lines.append(f"{'--set' if from_override else where}: {problem}")
+        raise SceneError(lines) from error
+
+
+def with_overrides(scene: Scene, overrides: Sequence[str]) -> Scene:
+    """The same scene with ``key=value`` changes, checked again.
+
+    Raises ``SceneError``.
+    """
+    data = plain_values(scene)
+    changed = [apply_override(data, text) for text in overrides]
+    return scene_from(data, changed=changed)
+
+
+def plain_values(scene: Scene) -> dict[str, Any]:
+    """Nested dictionary of all values, defaults included; keys without a value are left out.
+
+    So is the thickness that a map stands for.
+    """
+    data = scene.model_dump(exclude_none=True)
+    if scene.diaphragm.thickness_map is not None:
+        del data["diaphragm"]["thickness"]
+    return data
+
+
+def tables_of(scene: Scene) -> dict[tuple[str, str], Path]:
+    """Files that the scene uses, by the section and key that name them."""
+    files = {}
+    for section, key in TABLE_FILES:
+        name = getattr(getattr(scene, section), key)
+        if name is not None and (section != "motion" or scene.motion.kind == "table"):
+            files[section, key] = Path(name)
+    return files
+
+
+def scene_toml(scene: Scene) -> str:
+    """The scene as TOML, all defaults written out; reading it gives an equal scene."""
+    return tomli_w.dumps(plain_values(scene))

@@ -1,0 +1,1 @@
+"""Tables of numbers in text files, as loggers and spreadsheets write them."""

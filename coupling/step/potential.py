@@ -1,0 +1,155 @@
+"""One step of the diaphragm with an inviscid liquid: solved as one system, no coupling iteration.
+
+The liquid's added mass stands in the diaphragm's own inertia. What is iterated is the shape alone
+that the added mass belongs to, and only where the step moves the diaphragm far.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from cloth.inertia import kinematics
+from coupling.fluids.potential.liquid import PotentialLiquid
+from coupling.ports import Array, HydrostaticLoad, LiquidSample
+from coupling.structure.diaphragm import Diaphragm
+
+SHAPE = 0.01  # rms distance over R of a step's end from its shape, above which it is taken again
+GAIN = 0.02  # of kinetic energy and work together: what time stepping may add in a step
+MOST = 0.75  # of it: what may be taken back after one
+# Committed arrays: nodes now and a step ago, the potential likewise.
+_NAMES = (
+    "position", "velocity", "coefficient",
+    "previous_position", "previous_velocity", "previous_coefficient", "previous_dt",
+    "force", "energy", "removed",
+)  # fmt: skip
+
+
+class PotentialStep:
+    """Steps ``structure`` on ``liquid`` in a shell of ``radius`` [m].
+
+    ``backward`` in time, as the structure: dphi/dt at fixed places is the same formula for the
+    polynomial's coefficients. In a step's shape x* they follow from the nodes' velocities, c = A v,
+    so that the force -A^T rho dc/dt = -M (v - v_anchor)/b - A^T rho (A v_anchor - c_anchor)/b has
+    its first part in the solve; the kinetic part is that of the extrapolated potential.
+
+    Where the sheet snaps taut or slams, a step is too long for that, and may make energy. What the
+    liquid gains beyond the sheet's work, and beyond ``GAIN``, is taken out of its potential again.
+    """
+
+    def __init__(self, structure: Diaphragm, liquid: PotentialLiquid, *, radius: float) -> None:
+        self.structure, self.liquid = structure, liquid
+        self.radius = radius
+        self.wall = 0.0  # seconds spent on the liquid
+        self._shapes, self._residual, self._work = 0, 0.0, 0.0
+        state = structure.state
+        none = np.zeros(len(liquid.ritz.harmonics.degrees))
+        still = state.position, np.zeros_like(state.position), none
+        rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1)
+        self._now: dict[str, Array] = dict(zip(_NAMES, (*still, *still, *rest), strict=True))
+
+    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
+        """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError.
+
+        A shape missed by more than ``SHAPE`` even the second time is no failure, since the first,
+        extrapolated one is of second order; ``told`` says by how much.
+        """
+        try:
+            self._solve(dt, load)
+        except ArithmeticError:
+            self._forget()
+            raise
+        if not self.structure.converged:
+            self._forget()
+        return self.structure.converged
+
+    def _solve(self, dt: float, load: HydrostaticLoad) -> None:
+        now = self._now
+        previous = float(now["previous_dt"][0])
+        nodes = kinematics(
+            dt, previous, now["position"], now["velocity"],
+            now["previous_position"], now["previous_velocity"],
+        )  # fmt: skip
+        c, before = now["coefficient"], now["previous_coefficient"]
+        anchor = kinematics(dt, previous, c, c, before, before).position_anchor
+        expected = c + (c - before) * (dt / previous if previous > 0.0 else 0.0)
+        points = self._in_shell(now["position"] + dt * now["velocity"])
+        for last in (False, True):
+            clock = perf_counter()
+            shape = self.liquid.at(points)
+            rows = shape.rows()
+            known = (shape.potential(nodes.velocity_anchor) - anchor) / nodes.b
+            force = shape.force(shape.pressure(known, expected))
+            self.wall += perf_counter() - clock
+            self.structure.begin_step(dt, load, rows)
+            end = self.structure.solve(force)
+            self._shapes += 1
+            missed = np.mean(np.sum((end - points) ** 2, axis=1))
+            self._residual = float(np.sqrt(missed)) / self.radius
+            if last or self._residual <= SHAPE:
+                break
+            points = end
+        clock = perf_counter()
+        velocity = nodes.velocity(end)
+        coefficient = shape.potential(velocity)
+        rate = (coefficient - anchor) / nodes.b
+        force = shape.force(shape.pressure(rate, expected))
+        work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
+        energy = shape.kinetic_energy(velocity)
+        gain = energy + work - float(now["energy"][0])
+        excess = min(max(gain - GAIN * (energy + abs(work)), 0.0), MOST * energy)
+        kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
+        self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient, work=work)
+        self._next = {
+            "position": end, "velocity": velocity, "coefficient": kept * coefficient,
+            "previous_position": now["position"], "previous_velocity": now["velocity"],
+            "previous_coefficient": c, "previous_dt": np.array([dt]),
+            "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
+        }  # fmt: skip
+        self.wall += perf_counter() - clock
+
+    def _forget(self) -> None:
+        """Take the potentials of the history in the present shape, before a shorter attempt.
+
+        They are of shapes that were extrapolated; over a short step the difference is a blow.
+        """
+        shape = self.liquid.at(self._now["position"])
+        for name in ("", "previous_"):
+            self._now[f"{name}coefficient"] = shape.potential(self._now[f"{name}velocity"])
+
+    def _in_shell(self, points: Array) -> Array:
+        distance = np.linalg.norm(points, axis=1, keepdims=True)
+        return np.asarray(points * np.minimum(1.0, self.radius / np.maximum(distance, 1e-300)))
+
+    def accept(self) -> None:
+        """Commit the last attempt."""
+        self.structure.accept_step()
+        self._now = self._next
+        self._work += self._sample.pressure_work
+
+    def told(self) -> tuple[LiquidSample, int, float]:
+        """The last accepted step's sample and residual, the shapes tried since this was asked.
+
+        The residual is the rms distance over R of the step's end from its shape. The sample's work
+        is that of all steps since this was asked.
+        """
+        shapes, self._shapes = self._shapes, 0
+        work, self._work = self._work, 0.0
+        return replace(self._sample, pressure_work=work), shapes, self._residual
+
+    @property
+    def energy_removed(self) -> float:
+        """Energy [J] that time stepping made and that was taken out of the liquid, so far."""
+        return float(self._now["removed"][0])
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs."""
+        return dict(self._now)
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+        self._now = {name: saved[name] for name in _NAMES}

@@ -1,0 +1,123 @@
+"""How ``results.h5`` is laid out: its datasets, their units, how rows are added and dropped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from coupling.ports import Array, Ints
+from coupling.store import xdmf
+from coupling.store.run_record import Sample
+
+SCHEMA = "diaphragm-tank results 1"
+
+# dataset: (attribute of Sample and of Results, unit)
+FIELDS = {
+    "time": ("time", "s"),
+    "tank/acceleration": ("tank_acceleration", "m/s^2"),
+    "tank/displacement": ("tank_displacement", "m"),
+    "diaphragm/position": ("position", "m"),
+    "diaphragm/pressure": ("pressure", "Pa"),
+    "diaphragm/dynamic_pressure": ("dynamic_pressure", "Pa"),
+    "diaphragm/strain": ("strain", "-"),
+    "diaphragm/tension": ("tension", "N/m"),
+    "diaphragm/shell_slip": ("shell_slip", "m"),
+    "diaphragm/self_slip": ("self_slip", "m"),
+    "liquid/volume": ("volume", "m^3"),
+    "liquid/datum_pressure": ("datum_pressure", "Pa"),
+    "liquid/cg": ("liquid_cg", "m"),
+    "liquid/force": ("force", "N"),
+    "liquid/moment": ("moment", "N m"),
+    "coupling/iterations": ("iterations", "-"),
+    "coupling/residual": ("residual", "-"),
+}
+# fmt: off
+METRIC_UNITS = {
+    "speed_max": "m/s",
+    "dphi_dt_max": "m^2/s^2",
+    **dict.fromkeys(
+        (
+            "kinetic_energy", "energy_removed", "liquid_potential_energy",
+            "sheet_potential_energy", "sheet_kinetic_energy", "bending_energy", "stretch_energy",
+            "mechanical_energy", "tank_work", "datum_work", "pressure_work", "dissipated",
+            "dissipated_by_liquid", "dissipated_by_bending", "dissipated_by_drag",
+            "dissipated_by_stretch", "dissipated_by_shell_friction",
+            "dissipated_by_self_friction", "layer_estimate",
+        ),
+        "J",
+    ),
+    **dict.fromkeys(
+        (
+            "hydrostatic_pressure_rms", "dynamic_pressure_rms", "unsteady_pressure_rms",
+            "kinetic_pressure_rms", "viscous_traction_rms",
+        ),
+        "Pa",
+    ),
+    "wall_slip": "m^4/s^2",
+    "wall_distance": "m",
+    "non_orthogonality_max": "deg",
+    "volume_error": "-",
+    "continuity_error": "-",
+}
+# fmt: on
+
+
+def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles: Ints) -> None:
+    """Write what does not change, and every dataset over time without a row."""
+    file.attrs.update({"schema": SCHEMA, **attributes})
+    _dataset(file, "diaphragm/triangles", np.asarray(triangles, np.int64), "-")
+    _dataset(file, "diaphragm/reference", np.asarray(reference, float), "m")
+    file.create_group("metrics")
+    for dataset, (name, unit) in FIELDS.items():
+        shape = _row_shape(name, len(reference), len(triangles))
+        _growing(file, dataset, shape, unit, integer=name == "iterations")
+
+
+def _row_shape(name: str, nodes: int, triangles: int) -> tuple[int, ...]:
+    special = {"position": (nodes, 3), "strain": (triangles,), "tension": (triangles,)}
+    at_nodes = ("pressure", "dynamic_pressure", "shell_slip", "self_slip")
+    special |= dict.fromkeys(at_nodes, (nodes,))
+    vectors = ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment")
+    return special.get(name, (3,) if name in vectors else ())
+
+
+def _dataset(file: Any, name: str, values: Any, unit: str) -> None:
+    file.create_dataset(name, data=values).attrs["unit"] = unit
+
+
+def _growing(
+    file: Any, name: str, row: tuple[int, ...], unit: str, *, integer: bool = False
+) -> None:
+    rows_a_chunk = max(1, 65536 // (8 * int(np.prod(row, dtype=int))))
+    file.create_dataset(
+        name,
+        shape=(0, *row),
+        maxshape=(None, *row),
+        chunks=(min(rows_a_chunk, 256), *row),
+        dtype=np.int64 if integer else np.float64,
+    ).attrs["unit"] = unit
+
+
+def extend(file: Any, written: int, samples: Sequence[Sample]) -> None:
+    """Append rows; a metric that a sample lacks, or that begins late, is NaN there."""
+    total = written + len(samples)
+    for dataset, (name, _) in FIELDS.items():
+        file[dataset].resize(total, axis=0)
+        file[dataset][written:] = np.stack([np.asarray(getattr(item, name)) for item in samples])
+    for name in {key for sample in samples for key in sample.metrics} - set(file["metrics"]):
+        _growing(file, f"metrics/{name}", (), METRIC_UNITS.get(name, "-"))
+        file[f"metrics/{name}"].resize(written, axis=0)
+        file[f"metrics/{name}"][:] = np.nan
+    for name, dataset in file["metrics"].items():
+        dataset.resize(total, axis=0)
+        dataset[written:] = [sample.metrics.get(name, np.nan) for sample in samples]
+    xdmf.link_instants(file, written, total)
+
+
+def truncate(file: Any, keep: int) -> None:
+    """Drop the rows from ``keep`` on."""
+    for dataset in [*FIELDS, *(f"metrics/{name}" for name in file["metrics"])]:
+        file[dataset].resize(keep, axis=0)
+    xdmf.unlink_instants(file, keep)

@@ -1,0 +1,108 @@
+"""What a run puts on record: its instants, and what it counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from coupling.ports import Array
+from coupling.store.atomic import read_json
+
+SUMMARY = "summary.json"
+_NUMBER = (int, float)
+_PARTS: dict[str, type | tuple[type, ...]] = {
+    "status": str, "steps": int, "simulated_s": _NUMBER, "wall_s": _NUMBER, "wall_by_part": dict,
+    "strain_tensile_max": _NUMBER,
+    "coupling": dict, "cg": dict, "force": dict, "bernoulli": dict,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample:
+    """One instant of a run, as it goes into the results (tank frame, SI).
+
+    Shapes: ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``, ``moment``
+    (3,); ``position`` (n, 3); ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and
+    p* with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
+    ``self_slip`` (n,) [m]. ``force`` [N] and ``moment`` [N m] act on tank and
+    diaphragm, about the tank's centre. ``tank_acceleration`` [m/s^2] is the one at ``time``, of a
+    record its mean over the time step that ends there. ``metrics``: further scalars by name
+    (``speed_max``, ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample
+    of a run.
+    """
+
+    time: float
+    tank_acceleration: Array
+    tank_displacement: Array
+    position: Array
+    pressure: Array
+    dynamic_pressure: Array
+    strain: Array
+    tension: Array
+    shell_slip: Array
+    self_slip: Array
+    volume: float
+    datum_pressure: float
+    liquid_cg: Array
+    force: Array
+    moment: Array
+    iterations: int
+    residual: float
+    metrics: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(kw_only=True)
+class RunStatistics:
+    """What a run counts as it goes; becomes part of ``summary.json``.
+
+    Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
+    whether the flow's solver stayed alive or was restarted; ``settle_residual`` [-]: force that
+    settling left over rho g R^3; ``flow_fields_bytes``: on disk, where asked for.
+    ``strain_areas``: as ``coupling.metrics.strains.spread`` has it, summed over steps times
+    their lengths; ``cloth_...``: inner iterations of the solve that each part of a step ends with.
+    """
+
+    steps: int = 0
+    simulated_s: float = 0.0
+    wall_s: float = 0.0
+    wall_by_part: dict[str, float] = field(
+        default_factory=lambda: {"structure": 0.0, "fluid": 0.0, "mapping": 0.0, "output": 0.0}
+    )
+    strain_tensile_max: float = 0.0
+    strain_areas: list[float] = field(default_factory=list)
+    cloth_solves: int = 0
+    cloth_iterations_total: int = 0
+    cloth_iterations_max: int = 0
+    cloth_unconverged: int = 0
+    tension_max: float = 0.0
+    stress_max: float = 0.0
+    volume_error_max: float = 0.0
+    iterations_total: int = 0
+    iterations_max: int = 0
+    unconverged_steps: int = 0
+    flow_solver: str | None = None
+    settle_residual: float | None = None
+    halved_steps: int = 0
+    speed_max: float | None = None
+    dphi_dt_max: float | None = None
+    flow_fields_bytes: int | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, for the checkpoint."""
+        return dict(vars(self))
+
+
+def read_summary(folder: Path) -> dict[str, Any]:
+    """``summary.json`` of a run's folder; empty where there is none. Raises ``UnreadableFile``."""
+    path = folder / SUMMARY
+    if not path.is_file():
+        return {}
+    mend = f"Remove the file; edt resume {folder} writes it again."
+    return read_json(path, _PARTS, mend)
+
+
+def is_whole(summary: Mapping[str, Any], steps: int) -> bool:
+    """Whether a run's ``summary`` says that all its ``steps`` are done."""
+    return summary.get("status") == "completed" and summary["steps"] >= steps

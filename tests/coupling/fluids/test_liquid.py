@@ -1,0 +1,49 @@
+"""Which load and which mesh a scene gets."""
+
+import numpy as np
+import pytest
+from water_tank import GRAVITY, RADIUS, scene
+
+from coupling.fluids.datum import Datum
+from coupling.fluids.hydrostatic import Hydrostatic
+from coupling.fluids.liquid import flow_of, load_model, start_flow
+from coupling.interface.liquid_shape import level_of_fill_fraction
+from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
+
+
+def test_datum_is_zero_on_the_plane_at_the_level():
+    model = Datum(density=1000.0, level=0.1)
+    for force in (GRAVITY, np.array([12.0, 3.0, -9.81])):
+        load = model.load(force)
+        on_plane = -force / np.linalg.norm(force) * 0.1
+        assert load.datum + 1000.0 * force @ on_plane == pytest.approx(0.0, abs=1e-9)
+        assert load.volume is None
+
+
+def test_load_model_follows_the_scene():
+    datum = load_model(scene(model={"fluid": "datum"}))
+    assert isinstance(datum, Datum)
+    # Above the centre: 1/2 + 3h/4 - h^3/4 = 0.8 at h = 0.4257.
+    assert datum.level / RADIUS == pytest.approx(0.42570, abs=1e-4)
+    for fluid in ("hydrostatic", "openfoam"):
+        model = load_model(scene(model={"fluid": fluid}))
+        assert isinstance(model, Hydrostatic)
+        assert model.volume == pytest.approx(0.8 * 4 / 3 * np.pi * RADIUS**3)
+
+
+@pytest.mark.openfoam
+@pytest.mark.parametrize("fill", [0.2, 0.8])
+def test_flow_holds_the_liquid_below_the_free_part(tmp_path, fill):
+    chosen = scene(liquid={"name": "water", "fill_fraction": fill}, openfoam={"cells": 200})
+    cloth = diaphragm_of(chosen)
+    settle_diaphragm(cloth, chosen, load_model(chosen).load(GRAVITY))
+    flow, mapping = flow_of(chosen, tmp_path, cloth)
+    assert flow.mesh.cells == 176
+    start_flow(flow, mapping, chosen, cloth)
+    assert flow.volume == pytest.approx(chosen.liquid_volume, rel=1e-11)
+    assert flow.non_orthogonality_max < 50.0
+    rim = flow.points[flow.mesh.rim, 2] / RADIUS
+    level = level_of_fill_fraction(fill) - 1.0
+    # On the shell where the sheet leaves it, which is not as sharp a bend as a liquid's surface.
+    assert rim.mean() == pytest.approx(level, abs=0.1)
+    flow.close()
