@@ -1,6 +1,9 @@
-"""Imports point one way: cloth <- coupling, and within coupling from the scene to the command."""
+"""Imports point one way: cloth <- coupling, and within coupling from the ports to the command."""
 
 import ast
+import subprocess
+import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,55 +11,6 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("cloth", "coupling")
-
-COMPILER = "cloth.compiled"  # and its cache, which know of no cloth
-
-# From a part to what it must never import; a part is a module or a package, with all below it.
-FORBIDDEN = [
-    ("cloth", "coupling"),
-    ("cloth", "foam_cases"),
-    ("coupling.fluids", "cloth"),
-    ("coupling.foam", "cloth"),
-    ("coupling.foam", "coupling.structure.diaphragm"),
-    ("coupling.fluids", "coupling.structure.diaphragm"),
-    ("coupling.metrics", "coupling.run.driver"),
-    ("coupling.report", "coupling.run.driver"),
-    ("coupling.metrics", "coupling.run.participants"),
-    ("coupling.report", "coupling.run.participants"),
-    ("coupling.metrics", "coupling.report"),
-    ("coupling.store.results", "coupling.metrics"),
-    ("coupling.run.driver", "coupling.campaign.study"),
-    ("coupling.run.participants", "coupling.run.driver"),
-    ("coupling.run.participants", "coupling.store.results"),
-    ("coupling.ports", "cloth"),
-    ("coupling.store.run_record", "cloth"),
-    *[
-        (early, late)
-        for early in (
-            "coupling.scene.scene",
-            "coupling.motion.kinds",
-            "coupling.ports",
-            "coupling.store.run_record",
-            "coupling.schemes",
-        )
-        for late in (
-            "coupling.run.driver",
-            "coupling.run.participants",
-            "coupling.fluids",
-            "coupling.foam",
-            "coupling.store.results",
-        )
-    ],
-    *[
-        (part, "coupling.cli.main")
-        for part in (
-            "coupling.run.driver",
-            "coupling.campaign.study",
-            "coupling.report",
-            "coupling.verify",
-        )
-    ],
-]
 
 
 def module_name(file: Path) -> str:
@@ -82,50 +36,56 @@ def imported(name: str, *, at_import: bool = False) -> Iterator[str]:
         yield from (module for module in found if module.split(".")[0] in (*PACKAGES, "foam_cases"))
 
 
-def within(module: str, part: str) -> bool:
-    return module == part or module.startswith(f"{part}.")
+def lint(config: Path) -> subprocess.CompletedProcess[str]:
+    """Hold the imports here against the contracts of ``config``."""
+    return subprocess.run(
+        [Path(sys.executable).with_name("lint-imports"), "--no-cache", config],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
-def reached(start: str) -> set[str]:
-    """All modules that importing ``start``, and calling what it holds, brings in."""
-    seen: set[str] = set()
-    waiting = [start]
-    while waiting:
-        name = waiting.pop()
-        if name in seen:
-            continue
-        seen.add(name)
-        if name in FILES:
-            waiting += imported(name)
-    return seen
+def test_imports_point_one_way():
+    """The contracts stand in ``pyproject.toml``."""
+    done = lint(ROOT / "pyproject.toml")
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize(("part", "never"), FORBIDDEN)
-def test_imports_point_one_way(part: str, never: str):
-    offenders = [
-        f"{name} imports {module}"
-        for name in FILES
-        if within(name, part)
-        for module in imported(name)
-        if within(module, never) and not module.startswith(COMPILER)
-    ]
-    assert not offenders
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        (('"motion",\n    "scene",', '"scene",\n    "motion",'), "coupling.motion.kinds ->"),
+        (('    "store",\n', ""), "coupling.store"),  # as a folder that nobody gave a place
+        (('"coupling.scene.diaphragm -> cloth.material",', ""), "coupling.scene.diaphragm ->"),
+    ],
+)
+def test_a_contract_that_does_not_hold_is_seen(tmp_path: Path, wrong: tuple[str, str], reason: str):
+    config = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert wrong[0] in config
+    (tmp_path / "pyproject.toml").write_text(config.replace(*wrong), encoding="utf-8")
+    done = lint(tmp_path / "pyproject.toml")
+    assert done.returncode == 1
+    assert reason in done.stdout
 
 
-@pytest.mark.parametrize("part", ["coupling.metrics", "coupling.report"])
-def test_reports_never_reach_the_driver_even_through_others(part: str):
-    for name in FILES:
-        if within(name, part):
-            assert "coupling.run.driver" not in reached(name), name
+def test_nothing_but_the_ports_stands_beside_the_folders():
+    modules = {name for name in FILES if name.count(".") == 1 and FILES[name].stem != "__init__"}
+    assert {name for name in modules if name.startswith("coupling.")} == {"coupling.ports"}
 
 
-def test_fluids_never_reach_the_cloth_beyond_the_scene():
-    """The scene asks for rubbers and the thesis' grid; but for the compiler, nothing else comes."""
-    asked = {"cloth", "cloth.arrays", "cloth.material", "cloth.thesis.grid"}
-    for name in FILES:
-        if within(name, "coupling.fluids") or within(name, "coupling.foam"):
-            cloth = {module for module in reached(name) & set(FILES) if within(module, "cloth")}
-            assert {module for module in cloth if not module.startswith(COMPILER)} <= asked, name
+def test_every_folder_of_modules_says_what_is_in_it_and_is_installed():
+    folders = {file.parent for file in FILES.values()}
+    for folder in folders:
+        file = folder / "__init__.py"
+        assert file.is_file(), folder
+        assert ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))), folder
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed = config["tool"]["setuptools"]["packages"]
+    assert {".".join(folder.relative_to(ROOT).parts) for folder in folders} | {"foam_cases"} == set(
+        listed
+    )
 
 
 def test_no_module_imports_itself_in_a_circle():
