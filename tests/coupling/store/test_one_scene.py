@@ -8,6 +8,8 @@ import shutil
 import signal
 import subprocess
 import sys
+import zlib
+from dataclasses import fields
 from pathlib import Path
 
 import h5py
@@ -16,11 +18,16 @@ import pytest
 from small_scene import SMALL
 from typer.testing import CliRunner
 
+from cloth.state import Memory
 from coupling.campaign.study import run_or_reuse
 from coupling.cli.main import app
+from coupling.run.energy import Instant
 from coupling.scene.scene import load_scene
 from coupling.store import checkpoint
 from coupling.store.folder_lock import FolderError, held
+from coupling.store.run_record import RunStatistics
+
+HELD = (Memory, Instant, RunStatistics)
 
 # Its first steps are off the rhythm of the output: 13 steps, written every fourth.
 SCENE = f"""\
@@ -114,13 +121,29 @@ def test_resume_refuses_another_runs_checkpoint(run: Path, tmp_path: Path) -> No
     assert "checkpoint.h5 and results.h5 are of different runs" in errors
 
 
-@pytest.mark.parametrize(("schema", "age"), [(1, "an older"), (checkpoint.SCHEMA + 1, "a newer")])
+@pytest.mark.parametrize(
+    ("schema", "age"),
+    [
+        (1, "an older"),
+        (checkpoint.SCHEMA - 1, "an older"),
+        (checkpoint.SCHEMA + 1, "a newer"),
+    ],
+)
 def test_resume_refuses_a_checkpoint_of_another_schema(run: Path, schema: int, age: str) -> None:
     with h5py.File(run / "checkpoint.h5", "r+") as file:
         file.attrs["schema"] = schema
     status, errors = edt("resume", run)
     assert status == 2
     assert f"{age} version of the program wrote it (schema {schema}" in errors
+
+
+def test_what_a_checkpoint_holds_is_that_of_its_schema() -> None:
+    """A name changed beneath an old number, and resuming an older run ended in a traceback.
+
+    Who changes a name raises ``SCHEMA``, and renews both numbers here.
+    """
+    names = [f"{kind.__name__}.{f.name}" for kind in HELD for f in fields(kind)]
+    assert (checkpoint.SCHEMA, zlib.crc32(" ".join(names).encode())) == (3, 3849577874)
 
 
 def test_a_run_made_longer_is_the_one_that_never_stopped(run: Path, original: Path) -> None:
