@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from coupling.fluids import FLUIDS
+
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("cloth", "coupling")
 
@@ -56,7 +58,7 @@ def test_imports_point_one_way():
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
-        (('"motion",\n    "scene",', '"scene",\n    "motion",'), "coupling.motion.kinds ->"),
+        (('"motion",\n    "scene",', '"scene",\n    "motion",'), "coupling.motion.sine ->"),
         (('    "store",\n', ""), "coupling.store"),  # as a folder that nobody gave a place
         (('"coupling.scene.diaphragm -> cloth.material",', ""), "coupling.scene.diaphragm ->"),
     ],
@@ -108,7 +110,7 @@ def test_no_module_imports_itself_in_a_circle():
 
 
 def test_the_walk_sees_imports_at_all():
-    assert "coupling.scene.scene" in set(imported("coupling.motion.kinds"))
+    assert "coupling.scene.scene" in set(imported("coupling.motion.shaking"))
     assert "cloth.material" in set(imported("coupling.scene.diaphragm"))
     assert "coupling.run.driver" in set(imported("coupling.cli.main"))  # inside a function
     assert "coupling.run.driver" not in set(imported("coupling.cli.main", at_import=True))
@@ -120,3 +122,52 @@ def test_only_one_module_compiles():
         for path in (ROOT / package).rglob("*.py"):
             if path.parent.name != "cloth" or not path.name.startswith("compiled"):
                 assert "numba.njit" not in path.read_text(encoding="utf-8"), path
+
+
+def strings_of(tree: ast.Module) -> Iterator[ast.Constant]:
+    """String constants that are no docstrings."""
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    docstrings = {
+        id(node.body[0].value)
+        for node in ast.walk(tree)
+        if isinstance(node, documented)
+        and node.body
+        and isinstance(node.body[0], ast.Expr)
+        and isinstance(node.body[0].value, ast.Constant)
+    }
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Constant) or not isinstance(node.value, str):
+            continue
+        if id(node) not in docstrings:
+            yield node
+
+
+# where a fluid model's name stands for something else, and why
+OTHER_MEANINGS = {
+    ("coupling.report.viewer", "hydrostatic"),  # a part of the pressure
+    ("coupling.report.figures", "hydrostatic"),
+    ("coupling.foam.installation", "openfoam"),  # the package of Debian
+    ("coupling.scene.scene", "openfoam"),
+}
+
+
+def test_no_fluid_model_is_named_outside_of_the_fluids():
+    """But for the verification cases, which are each of one model or another."""
+    names, theirs = set(FLUIDS), ("coupling.fluids", "coupling.verify")
+    found = {
+        (name, node.value)
+        for name, file in FILES.items()
+        if name.startswith("coupling.") and not name.startswith(theirs)
+        for node in strings_of(ast.parse(file.read_text(encoding="utf-8")))
+        if node.value in names
+    }
+    assert found <= OTHER_MEANINGS, sorted(found - OTHER_MEANINGS)
+
+
+def test_steps_are_not_asked_for_their_kind():
+    steps = {"DryStep", "PotentialStep", "OpenFoamStep", "CoupledStep"}
+    for name, file in FILES.items():
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "isinstance":
+                asked = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
+                assert not asked & steps, name

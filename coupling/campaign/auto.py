@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 
 from coupling.campaign.study import run_or_reuse
-from coupling.estimate.model_errors import LADDER as RUNGS
-from coupling.estimate.model_errors import choose
+from coupling.estimate.model_errors import choose, ladder
 from coupling.metrics.comparison import common_instants
-from coupling.motion.shaking import driving_frequency
+from coupling.motion.shaking import driving_frequency, moves
 from coupling.ports import Array
 from coupling.run.driver import Progress, resume, run
 from coupling.scene.scene import Scene, load_scene
@@ -78,10 +77,10 @@ def _read(folder: Path) -> dict[str, Any]:
 
 def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:
     """What the next rung up says of the run's beginning."""
-    fluid = scene.model.fluid
-    if fluid == RUNGS[-1] or scene.motion.kind == "rest":
+    fluid, rungs = scene.model.fluid, ladder()
+    if fluid == rungs[-1] or not moves(scene):
         return {"against": None, "says": "there is no better model to check it on"}
-    better = RUNGS[RUNGS.index(fluid) + 1]
+    better = rungs[rungs.index(fluid) + 1]
     window = min(scene.time.duration, _first_period(scene))
     part = scene.time.model_copy(
         update={"duration": max(window, scene.time.step), "output_every": 1}

@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from cloth.thesis.grid import SIZE
-from coupling.estimate.orders import FLOW_ORDER, LIMIT_ORDER, SHEET_ORDER, STEP_ORDER
-from coupling.finite_volume.mesh import cells_halved, cells_made
+from coupling.estimate.orders import LIMIT_ORDER, SHEET_ORDER, STEP_ORDER
+from coupling.fluids import FLUIDS, by_rank
 from coupling.scene.scene import Scene, SceneError, plain_values, scene_from, with_overrides
-from coupling.scene.sections import LADDER
 
 THESIS = "thesis"
 STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own diaphragm is not
-ROWS = (*LADDER, THESIS, *STRETCH.values())
 AS_RUN, COARSER = "as_run", "coarser_grid"
 DOUBLED, HALVED = "doubled_step", "halved_step"
 STIFFER = "doubled_stiffness"
@@ -38,6 +36,11 @@ class Entry:
         return Path("discretisation") / self.row / self.resolution
 
 
+def study_rows() -> tuple[str, ...]:
+    """Names of all rows that a study can have."""
+    return (*FLUIDS, THESIS, *STRETCH.values())
+
+
 def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
     """The scene with each of ``models``, the cheapest first. ``SceneError`` where it takes none."""
 
@@ -45,8 +48,7 @@ def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
         return scene_from(plain_values(_with(scene, "model", fluid=model)), f"--models {model}")
 
     return [
-        Entry(row=model, resolution=AS_RUN, scene=with_model(model))
-        for model in sorted(models, key=LADDER.index)
+        Entry(row=model, resolution=AS_RUN, scene=with_model(model)) for model in by_rank(models)
     ]
 
 
@@ -57,9 +59,10 @@ def thesis_row(scene: Scene) -> Entry:
 
     ``SceneError`` where that cannot be, as with a thickness map.
     """
+    fluid = next(name for name in FLUIDS if not FLUIDS[name].keeps_volume)
     changes = (
         'cloth.grid="thesis"', f"cloth.resolution={SIZE}", 'cloth.wrinkling="relaxed"',
-        'model.fluid="datum"', 'diaphragm.rim="hinged"', "diaphragm.inextensible=true",
+        f"model.fluid={fluid}", 'diaphragm.rim="hinged"', "diaphragm.inextensible=true",
         "diaphragm.loss_factor=0", "diaphragm.friction_shell=0", "diaphragm.friction_self=0",
     )  # fmt: skip
     return Entry(row=THESIS, resolution=AS_RUN, scene=with_overrides(scene, changes))
@@ -68,13 +71,13 @@ def thesis_row(scene: Scene) -> Entry:
 def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
     """The scene with a diaphragm that stretches, or does not where the scene's own does.
 
-    On the highest of ``models`` but openfoam, for the cost: what stretching does is read against
-    the same model, not against the reference. Without the rubber's loss, of which a diaphragm that
-    does not stretch has none. ``SceneError`` where the scene cannot stretch.
+    On the best of ``models`` that has no grid of its own, for the cost: what stretching does is
+    read against the same model, not against the reference. Without the rubber's loss, of which a
+    diaphragm that does not stretch has none. ``SceneError`` where the scene cannot stretch.
     """
-    cheap = [model for model in models if model != "openfoam"] or list(models)
+    cheap = [model for model in models if FLUIDS[model].coarser(scene) is None] or models
     stiff = scene.diaphragm.inextensible
-    changed = _with(scene, "model", fluid=max(cheap, key=LADDER.index))
+    changed = _with(scene, "model", fluid=by_rank(cheap)[-1])
     return Entry(
         row=stretch_name(scene),
         resolution=AS_RUN,
@@ -141,10 +144,8 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     the diaphragm's triangles. The thesis' algorithm takes steps of 1 ms whatever the scene says: it
     has no other.
     """
-    if scene.model.fluid == "openfoam":
-        grid = _with(scene, "openfoam", cells=cells_halved(scene.openfoam.cells))
-    else:
-        grid = _with(scene, "cloth", resolution=_coarser_cloth(scene))
+    flow = FLUIDS[scene.model.fluid].coarser(scene)
+    grid = _with(scene, "cloth", resolution=_coarser_cloth(scene)) if flow is None else flow.scene
     variants = {COARSER: grid} if _is_valid(grid) else {}
     if scene.cloth.grid == "thesis":
         return variants
@@ -189,11 +190,11 @@ def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
     grid = variants.get(COARSER)
     if grid is None:
         return step
-    if scene.model.fluid == "openfoam":
-        fewer = cells_made(scene.openfoam.cells) / cells_made(grid.openfoam.cells)
-        coarser = fewer ** (1.0 / 3.0), FLOW_ORDER
-    else:
+    flow = FLUIDS[scene.model.fluid].coarser(scene)
+    if flow is None:
         coarser = scene.cloth.resolution / grid.cloth.resolution, SHEET_ORDER
+    else:
+        coarser = flow.width, flow.order
     return {COARSER: coarser, **step}
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry, coarsening
+from coupling.fluids import FLUIDS, by_rank
 from coupling.metrics.advice import advice, verdict
 from coupling.metrics.comparison import Errors, compare
 from coupling.metrics.pareto import pareto_front
 from coupling.metrics.uncertainty import below, error_bars
-from coupling.scene.sections import LADDER
 from coupling.store.results import read_results
 
 Summary = Mapping[str, Any]
@@ -24,7 +24,7 @@ class StudyRecord:
 
     def __init__(self, folder: Path, models: Sequence[str]) -> None:
         self.folder = folder
-        self.models = sorted(models, key=LADDER.index)
+        self.models = by_rank(models)
         self._done: list[tuple[Entry, Summary]] = []
         self._failed: dict[str, Summary] = {}
         self._errors: dict[tuple[Path, str], Errors] = {}
@@ -139,7 +139,7 @@ class StudyRecord:
                 "on_front": [],
             }
             for entry, summary in self._done
-            if entry.row in (*LADDER, THESIS)
+            if entry.row in (*FLUIDS, THESIS)
         ]
         for figure in FIGURES_WITH_FRONT:
             known = [p for p in points if p["wall_s"] and p["error"].get(figure) is not None]

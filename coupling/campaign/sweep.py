@@ -12,6 +12,7 @@ from coupling.campaign.study import Progress, is_complete
 from coupling.campaign.sweep_plan import POINTS, Plan, Point, SweepError
 from coupling.campaign.sweep_rows import row_of, sweep_csv, sweep_json
 from coupling.estimate.cost import run_cost
+from coupling.fluids import FLUIDS
 from coupling.report import write_report
 from coupling.store.atomic import write_json, write_text
 from coupling.store.run_record import read_summary
@@ -131,9 +132,7 @@ def _outcomes(
 def default_workers(plan: Plan) -> int:
     """As many as there are cores, or as fit where a flow solver takes several."""
     cores = len(os.sched_getaffinity(0))
-    flows = [
-        point.scenes["openfoam"].openfoam.processors
-        for point in plan.points
-        if "openfoam" in point.scenes
+    taken = [
+        FLUIDS[name].cores(scene) for point in plan.points for name, scene in point.scenes.items()
     ]
-    return max(1, cores // max(flows, default=1))
+    return max(1, cores // max(taken, default=1))

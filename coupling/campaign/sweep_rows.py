@@ -10,9 +10,9 @@ from typing import Any
 
 from coupling.campaign.sweep_plan import Plan, Point
 from coupling.estimate.numbers import numbers_of
+from coupling.fluids import FLUIDS
 from coupling.metrics.comparison import NAMES, compare
 from coupling.ports import RunFailed
-from coupling.scene.sections import LADDER
 from coupling.store.results import read_results
 
 _OF_A_MODEL = ("status", "wall_s", "failure")
@@ -51,7 +51,7 @@ def row_of(
 
 
 def _highest(models: Iterable[str]) -> str | None:
-    return max(models, key=LADDER.index, default=None)
+    return max(models, key=FLUIDS.rank, default=None)
 
 
 def _model_row(summary: Mapping[str, Any]) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from distributed.scheduler import KilledWorker
 
 from coupling.campaign.study import run_or_reuse
 from coupling.campaign.sweep_plan import SweepError
+from coupling.fluids import FLUIDS
 from coupling.run.driver import run
 from coupling.scene.scene import Scene, with_overrides
 
@@ -130,7 +131,7 @@ def _load_kernels(scene: Scene) -> None:
 
     Numba keeps what it has compiled on disk: the first worker fills it, the others read.
     """
-    fluid = "hydrostatic" if scene.model.fluid == "openfoam" else scene.model.fluid
+    fluid = FLUIDS[scene.model.fluid].kernels_of or scene.model.fluid
     if fluid in _loaded:
         return
     first_step = with_overrides(

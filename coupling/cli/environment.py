@@ -1,11 +1,11 @@
-"""What a run stands on: versions, the flow solver, the compiler of the kernels."""
+"""What a run stands on: versions, the compiler of the kernels, the flow solver."""
 
 from __future__ import annotations
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-from coupling.foam.installation import OpenFoamMissing, find_openfoam
+from coupling.fluids import FLUIDS
 
 _PACKAGES = ("numpy", "scipy", "h5py", "pydantic")
 
@@ -18,15 +18,8 @@ def found() -> dict[str, str]:
     values["compiled kernels"] = (
         "no: numba is not installed" if compiler == "not installed" else f"numba {compiler}"
     )
-    try:
-        solver = find_openfoam(keep_alive=True)
-        values["openfoam"] = f"{solver.version}, {solver.solver}"
-        values["solver that stays alive"] = str(
-            solver.keep_alive
-            or "not built: 'edt build-solver' makes runs with a flow faster, and waves last longer"
-        )
-    except OpenFoamMissing as missing:
-        values["openfoam"] = f"not found: {missing}"
+    for name in FLUIDS:
+        values |= FLUIDS[name].installed()
     return values
 
 

@@ -18,7 +18,7 @@ from coupling.cli.options import (
     Output,
     RunFolder,
     ScenePath,
-    need_openfoam,
+    check_installed,
     resumable,
 )
 from coupling.cli.progress import RunProgress
@@ -37,6 +37,7 @@ from coupling.estimate.numbers import numbers_of
 from coupling.finite_volume.mesh import cells_made
 from coupling.motion.record_summary import record_summary
 from coupling.ports import RunFailed
+from coupling.scene.choices import AUTO
 from coupling.scene.scene import SCENE_FILE, load_scene, tables_of
 from coupling.scene.source import scene_file
 from coupling.store.folder_lock import held
@@ -85,16 +86,16 @@ def run(
 ) -> None:
     """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
     scene = load_scene(scene_path, changes or ())
-    if scene.model.fluid == "auto":
+    if scene.model.fluid == AUTO:
         from coupling.campaign.auto import run_auto as run_scene
 
         choice = choose(scene)
         typer.echo(f"auto takes {choice.fluid}: {choice.reason}", err=True)
-        need_openfoam(scene, [choice.fluid])
+        check_installed(scene, [choice.fluid])
     else:
         from coupling.run.driver import run as run_scene
 
-        need_openfoam(scene, [scene.model.fluid])
+        check_installed(scene, [scene.model.fluid])
     folder = output or default_folder(scene_path)
     check_scene_outside(folder, [scene_file(scene_path), *tables_of(scene).values()])
     with held(folder):
@@ -121,7 +122,7 @@ def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJs
             )
             _print(saved.finished, folder, as_json)
             return
-        need_openfoam(scene, [scene.model.fluid])
+        check_installed(scene, [scene.model.fluid])
         if auto:
             from coupling.campaign.auto import resume_auto as resume_run
         else:
@@ -185,7 +186,7 @@ def check(
 ) -> None:
     """Check a scene; say how good each fluid model is for it and what it costs."""
     scene = load_scene(scene_path, changes or ())
-    need_openfoam(scene, [scene.model.fluid], start=False)
+    check_installed(scene, [scene.model.fluid], start=False)
     numbers, choice, record = numbers_of(scene), choose(scene), record_summary(scene)
     if as_json:
         print_json(

@@ -13,10 +13,8 @@ from typing import Annotated
 import typer
 
 from coupling.cli.exit_status import ExitStatus, stop
+from coupling.fluids import FLUIDS
 from coupling.scene.scene import Scene
-from coupling.scene.sections import LADDER
-
-MODELS = LADDER
 
 ScenePath = Annotated[
     Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")
@@ -33,22 +31,14 @@ Force = Annotated[bool, typer.Option("--force", help="Replace the run that the f
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
-def need_openfoam(scene: Scene, models: Sequence[str], *, start: bool = True) -> None:
-    """See that the flow solver works before anything starts, where one is needed.
+def check_installed(scene: Scene, models: Sequence[str], *, start: bool = True) -> None:
+    """See that what ``models`` need works before anything starts.
 
-    With ``start`` false its programs are only looked for.
+    With ``start`` false their programs are only looked for.
     """
-    if "openfoam" not in models:
-        return
-    chosen = scene.openfoam
-    if start:
-        from coupling.foam.rehearsal import rehearse
-
-        rehearse(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
-    else:
-        from coupling.foam.installation import check_installed
-
-        check_installed(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+    for name in models:
+        if name in FLUIDS:  # not "auto", which takes one later
+            FLUIDS[name].check_installed(scene, start=start)
 
 
 def _allow_command(allowed: bool) -> None:
@@ -72,10 +62,10 @@ AllowCommand = Annotated[
 def chosen_models(listed: str) -> tuple[str, ...]:
     """Two or more different fluid models from a list with commas; else the verb ends."""
     chosen = tuple(name.strip() for name in listed.split(","))
-    unknown = [name for name in chosen if name not in MODELS]
+    unknown = [name for name in chosen if name not in FLUIDS]
     if unknown or len(set(chosen)) < max(2, len(chosen)):
         stop(
-            f"--models: must be two or more different ones of {', '.join(MODELS)}, got '{listed}'.",
+            f"--models: must be two or more different ones of {', '.join(FLUIDS)}, got '{listed}'.",
             ExitStatus.WRONG_INPUT,
         )
     return chosen

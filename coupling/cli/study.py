@@ -7,11 +7,10 @@ from typing import Annotated
 import typer
 
 from coupling.campaign.same_plan import check_same_plan
-from coupling.campaign.study_plan import ROWS, planned_runs
+from coupling.campaign.study_plan import planned_runs, study_rows
 from coupling.cli.exit_status import guarded
 from coupling.cli.json_output import print_json
 from coupling.cli.options import (
-    MODELS,
     AllowCommand,
     AsJson,
     Changes,
@@ -19,18 +18,18 @@ from coupling.cli.options import (
     Output,
     ScenePath,
     again,
+    check_installed,
     chosen_models,
-    need_openfoam,
     resumable,
 )
 from coupling.cli.progress import RunProgress
 from coupling.cli.tables import print_study
+from coupling.fluids import FLUIDS
 from coupling.scene.scene import load_scene, tables_of
 from coupling.scene.source import scene_file
 from coupling.store.folder_lock import held
 from coupling.store.run_folder import check_scene_outside, default_folder, prepare_folder
 
-STUDY_FILES = frozenset({"study.json", "report.html", "discretisation", *ROWS})
 STUDY_RUNS = ("*", "discretisation/*/*")
 
 
@@ -39,7 +38,7 @@ def study(
     scene_path: ScenePath,
     models: Annotated[
         str, typer.Option("--models", help="Fluid models, separated by commas.")
-    ] = ",".join(MODELS),
+    ] = ",".join(FLUIDS),
     quick: Annotated[
         bool,
         typer.Option(
@@ -58,11 +57,12 @@ def study(
     chosen = chosen_models(models)
     scene = load_scene(scene_path, changes or ())
     planned = planned_runs(scene, chosen, quick=quick)
-    need_openfoam(scene, chosen)
+    check_installed(scene, chosen)
     folder = output or default_folder(scene_path, "-study")
-    check_scene_outside(folder, [scene_file(scene_path), *tables_of(scene).values()], STUDY_FILES)
+    files = frozenset({"study.json", "report.html", "discretisation", *study_rows()})
+    check_scene_outside(folder, [scene_file(scene_path), *tables_of(scene).values()], files)
     with held(folder):
-        prepare_folder(folder, force=force, study=STUDY_FILES)
+        prepare_folder(folder, force=force, study=files)
         check_same_plan(folder, planned, STUDY_RUNS, force=force)
         from coupling.campaign.study import run_study
 

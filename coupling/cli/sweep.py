@@ -20,8 +20,8 @@ from coupling.cli.options import (
     Output,
     ScenePath,
     again,
+    check_installed,
     chosen_models,
-    need_openfoam,
     resumable,
 )
 from coupling.cli.progress import RunProgress
@@ -77,7 +77,7 @@ def sweep(
     plan = plan_sweep(scene_path, changes or (), [parse_axis(text) for text in over], chosen)
     for point in plan.points:
         for model, scene in point.scenes.items():
-            need_openfoam(scene, [model])
+            check_installed(scene, [model])
     folder = output or default_folder(scene_path, "-sweep")
     runs = plan.runs
     files = {path for scene in runs.values() for path in tables_of(scene).values()}

@@ -10,11 +10,11 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from coupling.estimate.cost import fields_size, run_time
+from coupling.estimate.cost import run_time
 from coupling.estimate.model_errors import Choice, estimates
 from coupling.estimate.numbers import Numbers
 from coupling.estimate.strength import burst_warning
-from coupling.finite_volume.mesh import cells_made
+from coupling.fluids import FLUIDS
 from coupling.motion.record_summary import RecordSummary
 from coupling.scene.scene import Scene
 from coupling.verify import VerifyResult
@@ -184,8 +184,9 @@ def print_check(
     }
     values = numbers.to_dict()
     rows = [(text, figure(values[key])) for key, text in names.items()]
-    if scene.model.fluid == "openfoam":
-        rows.append(("cells of the flow's mesh", figure(cells_made(scene.openfoam.cells))))
+    if scene.model.fluid in FLUIDS:
+        sizes = FLUIDS[scene.model.fluid].size(scene)
+        rows += [(text, figure(size)) for text, size in sizes.items()]
     print_table(scene.title, ("number", "value"), rows)
     expected = [
         (
@@ -206,8 +207,10 @@ def print_check(
         "Wall times are those of one free core as fast as this machine is now; where others "
         "compute too, or the rubber slams often, they are longer."
     )
-    if scene.model.fluid in ("openfoam", "auto") and scene.openfoam.write_fields:
-        print(f"The flow's fields will take about {1e-6 * fields_size(scene):.2g} MB in foam/.")
+    models = [scene.model.fluid] if scene.model.fluid in FLUIDS else list(FLUIDS)
+    size = max(FLUIDS[name].fields_size(scene) for name in models)
+    if size:
+        print(f"The flow's fields will take about {1e-6 * size:.2g} MB in foam/.")
     left_out = ", which inextensibility leaves out" if scene.diaphragm.inextensible else ""
     print(
         f"rho b R^2/(E t): a strain of about {numbers.membrane_parameter:.2g} where the diaphragm "

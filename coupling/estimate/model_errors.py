@@ -8,7 +8,7 @@ first harmonic, |c - c_ref|/|c_ref|: amplitude and phase in one number.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -16,19 +16,16 @@ from importlib.resources import files
 import numpy as np
 
 from coupling.estimate.numbers import numbers_of
-from coupling.estimate.orders import FLOW_ORDER
-from coupling.finite_volume.mesh import cells_made
+from coupling.fluids import FLUIDS
+from coupling.fluids.model import Law
 from coupling.ports import Array
 from coupling.scene.scene import Scene
 
 DATA = "model_errors.csv"
-LADDER = ("hydrostatic", "potential", "openfoam")
-CELLS, FEWER = 1300, 650  # asked of the flow's mesh in the data, and of the coarser one beside it
 PLACE = ("frequency_ratio", "acceleration_ratio", "fill_fraction")
 COLUMNS = ("model", "reference", *PLACE, "error")
 QUANTITIES = ("f/f1", "a/g", "fill fraction")
 SHARE = 0.9  # of the data that lie below an upper bound
-DAMPING = 0.5  # a quarter of the critical one: of 0.2 to 2 the left-out data miss least about here
 _DEGREES = (0, 1, 2)
 _FLOOR = 1e-6  # errors below are the solvers' own noise
 
@@ -62,31 +59,6 @@ def coordinates(
     """
     ratio = max(frequency_ratio, 1e-12)
     return np.array([np.log10(ratio), np.log10(1.0 + acceleration_ratio), fill_fraction])
-
-
-def inertia_left_out(ratio: Array) -> Array:
-    """r^2 at r = f/f1 ``ratio``: error of a liquid without inertia.
-
-    One mass on a damped spring: driven by accelerations it moves by c = c0/(1 - r^2 + i d r), and
-    without its mass and damper by c0; so that |c0 - c|/|c| is r^2 where d is small.
-    """
-    return np.asarray(ratio**2)
-
-
-def inertia_wrong(ratio: Array) -> Array:
-    """r^2/|1 - r^2 + i d r|: error of a liquid whose inertia is wrong, per share of that.
-
-    The same mass: the change of log c by that of log m. d is DAMPING.
-    """
-    return np.asarray(ratio**2 / np.abs(1.0 - ratio**2 + 1j * DAMPING * ratio))
-
-
-Law = Callable[[Array], Array]
-LAWS: Mapping[str, Law] = {
-    "hydrostatic": inertia_left_out,
-    "potential": inertia_wrong,
-    "openfoam": inertia_wrong,
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +130,9 @@ def _terms(points: Array, powers: Array) -> Array:
 def fitted(model: str) -> ErrorFit:
     """The fit of ``model`` to the data that come with the program."""
     lines = (files("coupling.estimate") / DATA).read_text(encoding="utf-8").splitlines()
-    return fit_errors([row for row in read_rows(lines) if row.model == model], LAWS[model])
+    law = FLUIDS[model].error_law
+    assert law is not None
+    return fit_errors([row for row in read_rows(lines) if row.model == model], law.law)
 
 
 def read_rows(lines: Iterable[str]) -> list[Measured]:
@@ -174,32 +148,33 @@ def read_rows(lines: Iterable[str]) -> list[Measured]:
     ]
 
 
-def grid_error(distance: float) -> float:
-    """Error of ``openfoam`` on CELLS, by Richardson's estimate, FEWER being ``distance`` off it."""
-    wider = (cells_made(CELLS) / cells_made(FEWER)) ** (1.0 / 3.0)
-    return float(distance / (wider**FLOW_ORDER - 1.0))
+def ladder() -> tuple[str, ...]:
+    """The fluid models whose errors are known, the simplest first."""
+    return tuple(name for name in FLUIDS if FLUIDS[name].error_law is not None)
 
 
 def estimates(scene: Scene) -> dict[str, Estimate]:
-    """Estimated error of ``hydrostatic``, ``potential`` and ``openfoam`` in ``scene``.
+    """Estimated error in ``scene`` of every fluid model that has data.
 
-    That of ``hydrostatic`` is its error against ``potential`` with that one's against ``openfoam``
-    added in quadrature; that of ``openfoam`` is its grid's, which falls with the cells' width to
-    the power FLOW_ORDER. All are zero at rest, where the liquid is hydrostatic exactly.
+    Where the data were measured against the next model, that one's own error is added in
+    quadrature; that of a flow's mesh is taken to the scene's mesh (``FluidModel.error_scale``). All
+    are zero at rest, where the liquid is hydrostatic exactly.
     """
-    numbers = numbers_of(scene)
+    numbers, names = numbers_of(scene), ladder()
     if numbers.acceleration_ratio == 0.0:
-        return {name: Estimate(expected=0.0, upper=0.0) for name in LADDER}
+        return {name: Estimate(expected=0.0, upper=0.0) for name in names}
     place = coordinates(**{name: getattr(numbers, name) for name in PLACE})
-    hydrostatic, potential, openfoam = (fitted(name).at(place) for name in LADDER)
-    finer = (cells_made(CELLS) / cells_made(scene.openfoam.cells)) ** (FLOW_ORDER / 3.0)
-    return {
-        "hydrostatic": _together(hydrostatic, potential),
-        "potential": potential,
-        "openfoam": replace(
-            openfoam, expected=finer * openfoam.expected, upper=finer * openfoam.upper
-        ),
-    }
+    found: dict[str, Estimate] = {}
+    above: Estimate | None = None
+    for name in reversed(names):
+        model = FLUIDS[name]
+        own, scale = fitted(name).at(place), model.error_scale(scene)
+        own = replace(own, expected=scale * own.expected, upper=scale * own.upper)
+        assert model.error_law is not None
+        if model.error_law.adds_next and above is not None:
+            own = _together(own, above)
+        found[name] = above = own
+    return {name: found[name] for name in names}
 
 
 def _together(own: Estimate, above: Estimate) -> Estimate:
@@ -220,16 +195,16 @@ class Choice:
 
 
 def choose(scene: Scene) -> Choice:
-    """The cheapest of LADDER whose error keeps ``model.tolerance`` in nine scenes of ten.
+    """The cheapest model with data whose error keeps ``model.tolerance`` in nine scenes of ten.
 
     Where none does it is the one of the least upper bound, and the reason says so.
     """
     known, kept = estimates(scene), f"{scene.model.tolerance:.3g} in nine scenes of ten"
-    for fluid in LADDER:
+    for fluid in known:
         if known[fluid].upper <= scene.model.tolerance:
             reason = f"{fluid} is the cheapest that keeps {kept}: {_figures(known[fluid])}"
             return Choice(fluid=fluid, reason=reason, estimates=known)
-    best = min(LADDER, key=lambda fluid: known[fluid].upper)
+    best = min(known, key=lambda fluid: known[fluid].upper)
     reason = f"no model keeps {kept}; {best} errs least: {_figures(known[best])}"
     return Choice(fluid=best, reason=reason, estimates=known)
 

@@ -5,4 +5,3 @@ from __future__ import annotations
 STEP_ORDER = 2.0  # of the time schemes of cloth and flow, see ``edt verify chain`` and ``slosh``
 SHEET_ORDER = 2.0  # in the spacing of the rings: CG of the pad sway at 12, 18 and 24 rings
 LIMIT_ORDER = 1.0  # in the compliance that stands for none: the strain of a given tension
-FLOW_ORDER = 1.5  # in the cells' width: ``edt verify momentum`` at 540 and 1216 cells has 1.6

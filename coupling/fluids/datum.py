@@ -11,7 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupling.fluids.model import FluidModel
+from coupling.interface.liquid_shape import level_of_fill_fraction
 from coupling.ports import Array, HydrostaticLoad
+from coupling.scene.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,3 +31,19 @@ class Datum:
         """The load under ``body_force`` (3,) [m/s^2], gravity less the tank's acceleration."""
         datum = self.density * float(np.linalg.norm(body_force)) * self.level
         return HydrostaticLoad(density=self.density, body_force=body_force, datum=datum)
+
+
+class DatumModel(FluidModel):
+    """The thesis' own liquid, the bottom of the ladder."""
+
+    name = "datum"
+    colour, line = "#CC79A7", ":"
+    keeps_volume = False
+
+    def load_model(self, scene: Scene) -> Datum:
+        """Of the level that the scene's liquid would have without a diaphragm."""
+        depth = level_of_fill_fraction(scene.liquid.fill_fraction)  # over R, from the bottom
+        return Datum(density=scene.liquid.density, level=(depth - 1.0) * scene.tank.radius)
+
+
+DATUM = DatumModel()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from coupling.fluids.model import ErrorLaw, FluidModel, inertia_left_out
 from coupling.ports import Array, HydrostaticLoad
+from coupling.scene.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,3 +22,23 @@ class Hydrostatic:
     def load(self, body_force: Array) -> HydrostaticLoad:
         """The load under ``body_force`` (3,) [m/s^2], gravity less the tank's acceleration."""
         return HydrostaticLoad(density=self.density, body_force=body_force, volume=self.volume)
+
+
+def hydrostatic_of(scene: Scene) -> Hydrostatic:
+    """The hydrostatic pressure of the scene's liquid."""
+    return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
+
+
+class HydrostaticModel(FluidModel):
+    """The assumption that is put to the test."""
+
+    name = "hydrostatic"
+    colour, line = "#D55E00", "--"
+    error_law = ErrorLaw(law=inertia_left_out, adds_next=True)
+
+    def load_model(self, scene: Scene) -> Hydrostatic:
+        """Of the scene's liquid."""
+        return hydrostatic_of(scene)
+
+
+HYDROSTATIC = HydrostaticModel()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from coupling.fluids import ASSUMED, FLUIDS
 from coupling.metrics.comparison import Errors
 
 Row = Mapping[str, Any]
@@ -25,9 +26,9 @@ def verdict(reference: str | None, rows: Mapping[str, Row], bars: Errors) -> str
 
     Empty where ``rows`` hold no completed run of it beside the ``reference``.
     """
-    errors = rows.get("hydrostatic", {}).get("error") or {}
+    errors = rows.get(ASSUMED, {}).get("error") or {}
     amplitude, bar = errors.get("cg_amplitude"), bars.get("cg_amplitude")
-    if reference in (None, "hydrostatic", "datum") or amplitude is None:
+    if reference is None or not FLUIDS[reference].has_flow or amplitude is None:
         return ""
     if bar is not None and amplitude < bar:
         return (

@@ -75,16 +75,14 @@ def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str,
     the viscous stress on the diaphragm, which acts on it besides. None where the model has no flow,
     or the results are of a version that did not tell.
     """
-    names = {"hydrostatic": "hydrostatic_pressure_rms", "dynamic": "dynamic_pressure_rms"} | PARTS
-    rms = {
-        name: _over_time(metrics.get(key)) if has_flow or name == "hydrostatic" else None
-        for name, key in names.items()
-    }
-    whole = rms["hydrostatic"]
-    shares = {name: _over(rms[name], whole) for name in PARTS}
-    return {f"{name}_rms_Pa": value for name, value in rms.items()} | {
-        f"{name}_fraction": value for name, value in shares.items()
-    }
+    whole = _over_time(metrics.get("hydrostatic_pressure_rms"))
+    names = {"dynamic": "dynamic_pressure_rms"} | PARTS
+    rms = {name: _over_time(metrics.get(key)) if has_flow else None for name, key in names.items()}
+    return (
+        {"hydrostatic_rms_Pa": whole}
+        | {f"{name}_rms_Pa": value for name, value in rms.items()}
+        | {f"{name}_fraction": _over(rms[name], whole) for name in PARTS}
+    )
 
 
 def _over_time(rms: Array | None) -> float | None:

@@ -85,8 +85,8 @@ def summarise(
         "pressure": bernoulli.pressure_split(
             results.metrics, has_flow=statistics.speed_max is not None
         ),
-        "boundary_layer": layer_resolution(results, scene.liquid.viscosity, scene.motion.frequency),
-        "energy": energy_summary(results, scene.motion.frequency, periods),
+        "boundary_layer": layer_resolution(results, scene.liquid.viscosity, scene.frequency),
+        "energy": energy_summary(results, scene.frequency, periods),
         "fitted_periods": periods,
         "error": error,
     }
@@ -122,11 +122,11 @@ def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
 
     Empty where there is no period, or no whole one in the results.
     """
-    motion = scene.motion
-    if motion.kind != "sine" or not motion.frequency:
+    frequency = scene.frequency
+    if frequency is None:
         return {}
-    ramp = motion.ramp / motion.frequency
-    chosen, periods = last_whole_periods(results.time, motion.frequency, start=ramp)
+    ramp = scene.motion.ramp / frequency
+    chosen, periods = last_whole_periods(results.time, frequency, start=ramp)
     if periods == 0:
         return {}
     signals = {
@@ -136,9 +136,7 @@ def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
         "displacement": results.tank_displacement,
     }
     return {
-        name: first_harmonic(
-            results.time[chosen], signal[chosen], motion.frequency, periods=periods
-        )
+        name: first_harmonic(results.time[chosen], signal[chosen], frequency, periods=periods)
         for name, signal in signals.items()
     }
 
@@ -165,7 +163,7 @@ def _transfer(fits: dict[str, Harmonic], name: str, inertia: float = 1.0) -> dic
 def _inertia(scene: Scene) -> float:
     """m omega^2 [N/m] of the liquid."""
     mass = scene.liquid.density * scene.liquid_volume
-    return mass * (2.0 * np.pi * (scene.motion.frequency or 0.0)) ** 2
+    return mass * (2.0 * np.pi * (scene.frequency or 0.0)) ** 2
 
 
 def _peak(signal: Array) -> Any:
@@ -179,14 +177,14 @@ def _mean(signal: Array, fits: dict[str, Harmonic]) -> Any:
 
 
 def _imbalance(fits: dict[str, Harmonic], scene: Scene) -> float | None:
-    if not fits or not scene.motion.frequency:
+    if not fits or not scene.frequency:
         return None
     return momentum_imbalance(
         force=fits["force"].coefficient,
         cg=fits["cg"].coefficient,
         displacement=fits["displacement"].coefficient,
         mass=scene.liquid.density * scene.liquid_volume,
-        frequency=scene.motion.frequency,
+        frequency=scene.frequency,
     )
 
 
@@ -219,6 +217,6 @@ def _bernoulli(
         **bernoulli.thesis_estimates(
             body_force=body_force,
             radius=radius,
-            frequency=scene.motion.frequency if scene.motion.kind == "sine" else None,
+            frequency=scene.frequency,
         ),
     }

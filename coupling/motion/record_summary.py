@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from coupling.motion import MOTIONS
 from coupling.ports import Array
 from coupling.scene.motion_table import MotionTable
 from coupling.scene.scene import Scene
@@ -40,7 +41,7 @@ class RecordSummary:
 
 def record_summary(scene: Scene) -> RecordSummary | None:
     """Of the accelerations that shake a scene's tank; None where they come from no table."""
-    if scene.motion.kind != "table":
+    if not MOTIONS[scene.motion.kind].reads_file:
         return None
     table = scene.motion.record
     above = table.power_above(_carried(scene))

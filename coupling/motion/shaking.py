@@ -4,33 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
+from coupling.motion import MOTIONS
+from coupling.motion.kind import TankMotion
 from coupling.ports import Array
 from coupling.scene.scene import Scene
 
 
+def motion_of(scene: Scene) -> TankMotion:
+    """The tank's motion that a scene describes."""
+    return MOTIONS[scene.motion.kind].motion(scene.motion)
+
+
 def driving_frequency(scene: Scene) -> float:
-    """[Hz] of a sine; of a table its ``characteristic_frequency``; 0 at rest."""
-    motion = scene.motion
-    if motion.kind == "sine":
-        return float(motion.frequency or 0.0)
-    if motion.kind == "table":
-        return motion.record.characteristic_frequency
-    return 0.0
+    """[Hz] of a periodic motion; of a table its ``characteristic_frequency``; 0 at rest."""
+    return MOTIONS[scene.motion.kind].characteristic_frequency(scene.motion)
+
+
+def moves(scene: Scene) -> bool:
+    """Whether the tank moves at all."""
+    return MOTIONS[scene.motion.kind].moves
 
 
 def peak_accelerations(scene: Scene) -> Array:
-    """Accelerations (k, 3) [m/s^2] of the tank among which the largest are.
-
-    ``sine``: A (2 pi f)^2 either way along its direction; what the smooth start adds is left out.
-    ``table``: all of its lines, within the run or not.
-    """
-    motion = scene.motion
-    if motion.kind == "sine" and motion.amplitude and motion.frequency:
-        peak = motion.amplitude * (2.0 * np.pi * motion.frequency) ** 2
-        return np.outer([peak, -peak], motion.unit_direction)
-    if motion.kind == "table":
-        return motion.record.acceleration
-    return np.zeros((1, 3))
+    """Accelerations (k, 3) [m/s^2] of the tank among which the largest are."""
+    return MOTIONS[scene.motion.kind].peak_accelerations(scene.motion)
 
 
 def largest_body_force(scene: Scene) -> float:

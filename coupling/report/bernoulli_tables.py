@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from coupling.fluids import FLUIDS
 from coupling.metrics.bernoulli import effective_gravity, thesis_estimates
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent, ratio
@@ -13,11 +14,11 @@ def bernoulli_table(run: RunFiles) -> Table:
     """The thesis' estimate, as printed and by its own words, beside what was measured."""
     scene, figures = run.scene, run.summary["bernoulli"]
     rows = []
-    if scene.motion.kind == "sine" and scene.motion.frequency:
+    if scene.frequency is not None:
         estimate = thesis_estimates(
             body_force=effective_gravity(np.array(scene.gravity), run.results.tank_acceleration),
             radius=scene.tank.radius,
-            frequency=scene.motion.frequency,
+            frequency=scene.frequency,
         )
         rows += [
             [
@@ -70,7 +71,7 @@ def split_table(run: RunFiles) -> Table | None:
     rows = [["Hydrostatic pressure", number(whole, "Pa"), ""]]
     for part, text in _PARTS.items():
         value = pressure[f"{part}_rms_Pa"]
-        if part == "viscous" and run.model == "potential":
+        if part == "viscous" and not FLUIDS[run.model].has_viscosity:
             rows.append([text, "none in this model", ""])
         elif value is not None:
             rows.append([text, number(value, "Pa"), percent(value / whole) if whole else "–"])
@@ -82,12 +83,10 @@ def split_table(run: RunFiles) -> Table | None:
 
 
 def _how(run: RunFiles, layer: dict[str, float | None]) -> str:
-    if run.model == "potential":
-        return "Exact for the harmonic polynomials that this model’s potential is made of."
-    text = (
-        "The kinetic part is that of the cells at the diaphragm; the unsteady part is the rest of "
-        "p*, with what vorticity does. The viscous stress is the solver’s own."
-    )
+    model = FLUIDS[run.model]
+    text = model.pressure_note
+    if not model.has_viscosity:
+        return text
     if layer["cells_in_layer"] is None or layer["stokes_layer_m"] is None:
         return text
     return text + (

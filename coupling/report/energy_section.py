@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from coupling.fluids import FLUIDS
 from coupling.metrics.energy import SHARES, rest
 from coupling.report.files import RunFiles
 from coupling.report.page import Picture, Section, Table, number, percent
@@ -96,14 +97,7 @@ def _note(run: RunFiles) -> str:
             f"Laminar boundary layers at the walls would take about {number(layer, 'J', 2)} a "
             "period (Stokes’s estimate, beside the balance). "
         )
-    if run.model == "potential":
-        text += "This model’s liquid has no viscosity: it loses energy in impacts and to the step."
-    if run.model == "openfoam":
-        text += (
-            "What the liquid loses beyond that goes into vortices, impacts, mesh and step, which "
-            "this run does not tell apart."
-        )
-    return text.strip()
+    return (text + FLUIDS[run.model].dissipation_note).strip()
 
 
 def _stored(run: RunFiles) -> Picture:

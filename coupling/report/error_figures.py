@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from coupling.metrics.comparison import Errors
 from coupling.report.page import Picture
-from coupling.report.style import GREY, INK, LIGHT, MODEL_COLOURS, new_figure, svg
+from coupling.report.style import GREY, INK, LIGHT, look_of, new_figure, svg
 
 Point = Mapping[str, Any]
 
@@ -64,7 +64,7 @@ def _bars(
         places = np.array([k for k, _ in known]) + (index + 0.5) * width - 0.4
         heights = scale * np.array([float(values[name] or 0.0) for _, name in known])
         spread = scale * np.array([float(bars.get(name) or 0.0) for _, name in known])
-        axes.bar(places, heights, 0.92 * width, color=MODEL_COLOURS.get(row, GREY), label=row)
+        axes.bar(places, heights, 0.92 * width, color=look_of(row)[0], label=row)
         if spread.any():
             reach = [np.minimum(spread, heights), spread]
             axes.errorbar(
@@ -116,7 +116,7 @@ def front_figure(points: Sequence[Point], reference: str, name: str, bar: float 
 
 
 def _plot_point(axes: Any, point: Point, height: float, *, hollow: bool) -> None:
-    colour = MODEL_COLOURS.get(point["model"], INK)
+    colour = look_of(point["model"])[0]
     axes.loglog(
         point["wall_s"],
         height,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from coupling.fluids import FLUIDS
 from coupling.metrics.comparison import Errors
 from coupling.report.error_figures import COLUMNS, RESOLUTIONS
 from coupling.report.page import Table, number, percent
@@ -121,7 +122,7 @@ def ratios_table(study: Mapping[str, Any]) -> Table | None:
 
 
 def _own(key: str, reference: str) -> str:
-    grid = "half the cells" if reference == "openfoam" else "half the triangles"
+    grid = FLUIDS[reference].coarser_text
     return grid if key == "coarser_grid" else key.replace("_", " ")
 
 

@@ -16,10 +16,9 @@ from coupling.report.style import (
     COMPONENTS,
     GREY,
     INK,
-    MODEL_COLOURS,
-    MODEL_LINES,
     ORANGE,
     legend_above,
+    look_of,
     new_figure,
     svg,
     thinned,
@@ -168,7 +167,7 @@ def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, capti
 
 def model_line(model: str) -> dict[str, Any]:
     """Colour, dashes and label of a model's curve, the same in all figures."""
-    colour, dashes = MODEL_COLOURS.get(model, INK), MODEL_LINES.get(model, "-")
+    colour, dashes = look_of(model)
     return {"color": colour, "linestyle": dashes, "label": model}
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from coupling.fluids import FLUIDS
 from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.summary import summarise
 from coupling.ports import Array
@@ -44,7 +45,7 @@ class RunFiles:
     @property
     def has_flow(self) -> bool:
         """Whether the model computes p* at all."""
-        return self.model not in ("datum", "hydrostatic")
+        return FLUIDS[self.model].has_flow
 
 
 def read_run(folder: Path) -> RunFiles:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from coupling.estimate.numbers import numbers_of
 from coupling.estimate.strength import strength_verdict
-from coupling.finite_volume.mesh import cells_made
+from coupling.fluids import FLUIDS
+from coupling.motion import MOTIONS
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
 
@@ -16,13 +16,10 @@ def scene_tables(run: RunFiles) -> list[Table]:
     """What was simulated, and the numbers that follow from it."""
     scene = run.scene
     motion, liquid, rubber, time = scene.motion, scene.liquid, scene.diaphragm, scene.time
-    shaking = {
-        "sine": f"{number(motion.frequency, 'Hz')}, {number(1e3 * (motion.amplitude or 0), 'mm')} "
-        "centre to peak",
-        "table": f"table {Path(motion.file or '').name}",
-        "rest": "none",
-    }[motion.kind]
-    flow = cells_made(scene.openfoam.cells) if scene.model.fluid == "openfoam" else "none"
+    facts = MOTIONS[motion.kind].facts(motion)
+    shaking = ", ".join(fact if isinstance(fact, str) else number(*fact) for fact in facts)
+    sizes = FLUIDS[scene.model.fluid].size(scene).values()
+    flow = ", ".join(str(size) for size in sizes) or "none"
     rows = [
         ["Tank radius", number(1e3 * scene.tank.radius, "mm", 4)],
         ["Fill fraction", number(liquid.fill_fraction)],

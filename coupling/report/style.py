@@ -14,23 +14,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from coupling.fluids import FLUIDS
 from coupling.report.plotting import default_settings
 
 # Okabe & Ito's palette, which the colour-blind can tell apart
-MODEL_COLOURS = {
-    "datum": "#CC79A7",
-    "hydrostatic": "#D55E00",
-    "potential": "#009E73",
-    "openfoam": "#0072B2",
-    "thesis": "#E69F00",
-    "compliant": "#56B4E9",
-    "inextensible": "#56B4E9",
+_OTHERS: dict[str, tuple[str, Any]] = {  # rows of a study that are no fluid models
+    "thesis": ("#E69F00", (0, (1, 3))),
+    "compliant": ("#56B4E9", (0, (5, 1))),
+    "inextensible": ("#56B4E9", (0, (5, 1))),
 }
-# solid for the best, so that a dashed curve on top of it shows both
-MODEL_LINES: dict[str, Any] = {
-    "datum": ":", "hydrostatic": "--", "potential": "-.", "openfoam": "-",
-    "thesis": (0, (1, 3)), "compliant": (0, (5, 1)), "inextensible": (0, (5, 1)),
-}  # fmt: skip
 INK, GREY, LIGHT = "#1c2329", "#6b757d", "#d5dade"
 BLUE, ORANGE = "#0072B2", "#D55E00"
 # x, y and z of one vector differ by line and tone, which also survives a black and white printer
@@ -62,6 +54,16 @@ _STYLE: Any = {
     "svg.fonttype": "path",
     "svg.hashsalt": "diaphragm-tank",
 }
+
+
+def look_of(row: str) -> tuple[str, Any]:
+    """Colour and line of a study's row: its fluid model's, or its own.
+
+    The best model's line is solid, so that a dashed curve on top of it shows both.
+    """
+    if row in FLUIDS:
+        return FLUIDS[row].colour, FLUIDS[row].line
+    return _OTHERS.get(row, (GREY, "-"))
 
 
 @contextmanager

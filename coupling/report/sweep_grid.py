@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coupling.fluids import ASSUMED
 from coupling.ports import Array
 
 FREQUENCY = "motion.frequency"
@@ -50,7 +51,7 @@ class Grid:
     def lesser(self) -> list[str]:
         """The models that are held against the reference; hydrostatics first."""
         names = [name for name in self.content["models"] if name != self.content["reference"]]
-        return sorted(names, key=lambda name: name != "hydrostatic")
+        return sorted(names, key=lambda name: name != ASSUMED)
 
     @property
     def numeric(self) -> bool:

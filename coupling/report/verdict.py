@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from coupling.estimate.numbers import numbers_of
+from coupling.motion.shaking import moves
 from coupling.report.files import RunFiles
 from coupling.report.page import number, percent, ratio
 
@@ -13,7 +14,7 @@ def verdict(run: RunFiles) -> tuple[str, str]:
     """Headline and explanation for a run."""
     figures = run.summary["bernoulli"]
     momentum, dynamic = figures["neglected_momentum"], figures["dynamic_fraction"]
-    if run.scene.motion.kind == "rest":
+    if not moves(run.scene):
         return (
             "The tank is at rest: the pressure is hydrostatic.",
             "There is no motion against which the assumption could fail.",
@@ -46,7 +47,7 @@ def _headline(momentum: float, dynamic: float) -> str:
 
 
 def _shortness(run: RunFiles) -> str:
-    if run.scene.motion.kind != "sine" or run.summary.get("fitted_periods"):
+    if run.scene.frequency is None or run.summary.get("fitted_periods"):
         return ""
     return " There is no whole period yet: the largest accelerations are compared."
 

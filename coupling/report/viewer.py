@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib import colormaps
 
+from coupling.fluids import ASSUMED, FLUIDS
 from coupling.interface.liquid_shape import level_of_fill_fraction
 from coupling.ports import Array
 from coupling.report.files import RunFiles
@@ -24,6 +25,7 @@ from coupling.report.page import Section
 from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
 from coupling.store.results import Results
 
+WHOLE, STATIC, DYNAMIC = "pressure", "hydrostatic", "dynamic"  # quantities of the view
 INSTANTS = 60  # at most, of a period
 BYTES = 8_000_000  # of all runs' arrays, before base64 adds a third
 _TOP = 32767  # of a 16 bit integer
@@ -32,7 +34,7 @@ _SEEN = (0.02, 0.98)  # quantiles that the colours span: a slam would leave all 
 
 def run_viewer(run: RunFiles) -> str:
     """A run's own view: hydrostatic pressure beside p*; without a flow the pressure alone."""
-    parts = ("hydrostatic", "dynamic") if run.has_flow else ("pressure",)
+    parts = (STATIC, DYNAMIC) if run.has_flow else (WHOLE,)
     return _packed([run], run, [(run.label, part) for part in parts])
 
 
@@ -47,7 +49,7 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
         return []
     best = next((run for run in seen if run.label == study["reference"]), seen[0])
     others = sorted((run for run in seen if run is not best), key=_worth_comparing)
-    shown = [(run.label, "pressure") for run in (*others[:1], best)]
+    shown = [(run.label, WHOLE) for run in (*others[:1], best)]
     pictures, scale = views(best)
     return [
         Section(
@@ -63,7 +65,12 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
 
 
 def _worth_comparing(run: RunFiles) -> int:
-    return {"hydrostatic": 0, "potential": 1}.get(run.label, 2)
+    """The assumption first, then what else has a flow, the simplest first."""
+    if run.label not in FLUIDS:
+        return len(FLUIDS) + 1
+    if run.label == ASSUMED:
+        return 0
+    return 1 + FLUIDS.rank(run.label) if run.has_flow else len(FLUIDS)
 
 
 def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str, str]]) -> str:
@@ -110,7 +117,7 @@ def _nearest(results: Results, wanted: Array) -> list[int]:
 def _run(run: RunFiles, rows: list[int]) -> dict[str, Any]:
     results = run.results
     dynamic, pressure = results.dynamic_pressure[rows] / 1e3, results.pressure[rows] / 1e3
-    quantities = {"pressure": pressure, "hydrostatic": pressure - dynamic, "dynamic": dynamic}
+    quantities = {WHOLE: pressure, STATIC: pressure - dynamic, DYNAMIC: dynamic}
     return {
         "model": run.label,
         "flow": run.has_flow,

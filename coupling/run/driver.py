@@ -14,14 +14,13 @@ import numpy as np
 from coupling.estimate.strength import burst_warning
 from coupling.metrics.summary import summarise
 from coupling.motion.record_summary import record_summary
-from coupling.ports import LiquidSample, RunFailed
+from coupling.ports import AT_REST, RunFailed, StepReport
 from coupling.run.energy import EnergyBalance, stored_in
 from coupling.run.interrupts import raise_lost_interrupt, wrapped_interrupts_raised
 from coupling.run.mends import with_mend
 from coupling.run.participants import Participants
 from coupling.scene.content import content_of
 from coupling.scene.scene import SCENE_FILE, Scene, load_scene
-from coupling.step.substeps import DryStep
 from coupling.store.atomic import write_json
 from coupling.store.iteration_log import IterationLog
 from coupling.store.results import ResultsWriter, read_results
@@ -112,7 +111,7 @@ class _Run:
         self.progress("settle", 0.0, 0.0, "settled")
         self.sides.start(self.iterations.write)
         self.energy.start(self.sides.instant(0.0, None), stored_in(self.sides.cloth, None))
-        self._write(0.0, None, 0, 0.0)
+        self._write(0.0, AT_REST)
         self._save(0)
         self._loop(0)
 
@@ -138,31 +137,31 @@ class _Run:
         for step in range(first, time.steps):
             raise_lost_interrupt()
             now, after = step * time.step, (step + 1) * time.step
-            liquid, iterations, residual = self.sides.advance(now, after)
+            report = self.sides.advance(now, after)
+            liquid = report.sample
             work = 0.0 if liquid is None else liquid.pressure_work
             self.energy.add(time.step, self.sides.instant(after, liquid), work)
             self.tally.statistics.steps = step + 1
             self.tally.statistics.simulated_s = after
             if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
-                self._write(after, liquid, iterations, residual)
+                self._write(after, report)
             if (step + 1) % time.checkpoint_every == 0 or step + 1 == time.steps:
                 self._save(step + 1)
-            self.progress("shake", after, time.end, self._text(iterations))
+            self.progress("shake", after, time.end, self._text(report))
 
-    def _text(self, iterations: int) -> str:
-        if isinstance(self.sides.step, DryStep):
+    def _text(self, report: StepReport) -> str:
+        if not report.samples:
             return ""
         mean = self.tally.statistics.iterations_total / max(self.tally.statistics.steps, 1)
-        text = f"{iterations} iteration{'s'[: iterations > 1]}, mean {mean:.1f}"
+        many = "s" if report.iterations > 1 else ""
+        text = f"{report.iterations} iteration{many}, mean {mean:.1f}"
         if self.tally.statistics.unconverged_steps:
             text += f", {self.tally.statistics.unconverged_steps} steps unconverged"
         return text
 
-    def _write(
-        self, time: float, liquid: LiquidSample | None, iterations: int, residual: float
-    ) -> None:
-        energies = self.energy.metrics(stored_in(self.sides.cloth, liquid))
-        sample = self.sides.sample(time, liquid, iterations, residual, energies)
+    def _write(self, time: float, report: StepReport) -> None:
+        energies = self.energy.metrics(stored_in(self.sides.cloth, report.sample))
+        sample = self.sides.sample(time, report, energies)
         clock = perf_counter()
         self.results.append(sample)
         self.sides.write_fields()

@@ -200,7 +200,7 @@ def layer_factor(scene: Scene) -> float:
     omega t, which is this factor times the mean square. Turbulent or separated layers take more.
     0 where the motion has no single frequency.
     """
-    motion, liquid = scene.motion, scene.liquid
-    if motion.kind != "sine" or not motion.frequency:
+    liquid = scene.liquid
+    if scene.frequency is None:
         return 0.0
-    return liquid.density * math.sqrt(math.pi * motion.frequency * liquid.viscosity)
+    return liquid.density * math.sqrt(math.pi * scene.frequency * liquid.viscosity)

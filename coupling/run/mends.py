@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from coupling.fluids import FLUIDS
+from coupling.motion import MOTIONS
 from coupling.ports import Cause, RunFailed
 from coupling.scene.scene import Scene
+from coupling.schemes import SCHEMES
 
-_POTENTIAL = "take model.fluid = 'potential', which needs no mesh and no coupling iteration"
 RESTARTED = "restart"  # the flow solver that cannot take a step in parts
 
 
@@ -29,18 +31,20 @@ def mend(cause: Cause, scene: Scene, flow_solver: str | None) -> str:
         options = [*better_scheme(scene), *options]
     if cause is Cause.MESH:
         options = []
-        if scene.motion.kind == "sine":
-            options.append("shake less (motion.amplitude)")
+        options += _given(MOTIONS[scene.motion.kind].gentler)
     if flow_solver is not None:
-        options.append(_POTENTIAL)
+        options += _given(FLUIDS[scene.model.fluid].instead)
     return said(options)
 
 
 def better_scheme(scene: Scene) -> list[str]:
     """The coupling scheme to take, unless the scene has it."""
-    if scene.coupling.scheme == "added-mass":
-        return []
-    return ["take coupling.scheme = 'added-mass'"]
+    best = next(iter(SCHEMES))
+    return [] if scene.coupling.scheme == best else [f"take coupling.scheme = '{best}'"]
+
+
+def _given(text: str) -> list[str]:
+    return [text] if text else []
 
 
 def _shorter_step(scene: Scene, flow_solver: str | None) -> str:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -12,23 +11,18 @@ import numpy as np
 
 from cloth.energy import SheetLosses, mean_losses
 from cloth.mesh import rest_gradients
-from coupling.fluids.liquid import flow_of, load_model, potential_of, start_flow
-from coupling.motion.kinds import motion_of
-from coupling.ports import AnyArray, Array, FlowSample, HydrostaticLoad, LiquidSample
+from coupling.fluids import FLUIDS
+from coupling.fluids.model import Record
+from coupling.motion.shaking import motion_of
+from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
 from coupling.run.energy import Instant, instant_of
-from coupling.run.sampling import at_nodes, flow_metrics, liquid_metrics, sample_at, still
+from coupling.run.sampling import at_nodes, sample_at, still
 from coupling.run.tally import Tally
 from coupling.scene.scene import Scene
-from coupling.schemes import scheme_named
-from coupling.step.convergence import Convergence
-from coupling.step.coupled import CoupledStep
-from coupling.step.potential import PotentialStep
-from coupling.step.substeps import HALVINGS, DryStep, advance
+from coupling.step.dry import DryStep
+from coupling.step.substeps import HALVINGS, advance
 from coupling.store.run_record import Sample
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
-
-Record = Callable[[float, int, float, float], None]
-_log = logging.getLogger(__name__)
 
 
 class Participants:
@@ -41,12 +35,13 @@ class Participants:
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.scene, self.folder = scene, folder
         self.motion = motion_of(scene)
-        self.model = load_model(scene)
-        self._load = self.model.load(np.asarray(scene.gravity))  # of the last step; at rest
+        self.model = FLUIDS[scene.model.fluid]
+        self._load_model = self.model.load_model(scene)
+        self._load = self._load_model.load(np.asarray(scene.gravity))  # of the last step; at rest
         self.cloth = diaphragm_of(scene)
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
-        self.step: DryStep | PotentialStep | CoupledStep = DryStep(self.cloth)
+        self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
 
     def settle(self) -> None:
@@ -57,14 +52,13 @@ class Participants:
             )
 
     def start(self, record: Record) -> None:
-        """Couple the liquid, at rest, to the settled diaphragm.
+        """Put the liquid at rest below the settled diaphragm.
 
-        ``record`` is told of every coupling iteration, as ``CoupledStep`` has it.
+        ``record`` is called after every coupling iteration, as ``FluidModel.time_step`` has it.
         """
         self._couple(record)
-        if isinstance(self.step, CoupledStep):
-            with self._timed("fluid"):
-                start_flow(self.flow, self.mapping, self.scene, self.cloth)
+        with self._timed("fluid"):
+            self.step.start()
 
     @contextmanager
     def _timed(self, part: str) -> Iterator[None]:
@@ -81,76 +75,33 @@ class Participants:
         self.cloth.held = self.scene.diaphragm.held
         self._couple(record)
         self.cloth.restore(saved["structure"])
-        if isinstance(self.step, CoupledStep):
-            self.flow.restore(saved["flow"])
-            self.step.scheme.restore(saved.get("scheme", {}))
-        if not isinstance(self.step, DryStep):
-            self.step.restore(saved.get("coupled", {}))
+        self.step.restore(saved)
 
     def _couple(self, record: Record) -> None:
-        """Build the liquid and the coupling for the settled diaphragm, where the liquid moves."""
+        """Build the step of the settled diaphragm with its liquid."""
         self.settled = self.cloth.save()
-        scene = self.scene
-        if scene.model.fluid == "potential":
-            self.step = PotentialStep(
-                self.cloth, potential_of(scene, self.cloth), radius=scene.tank.radius
-            )
-        if scene.model.fluid != "openfoam":
-            return
-        self.flow, self.mapping = flow_of(scene, self.folder, self.cloth)
-        self.tally.statistics.flow_solver = self.flow.case.solver
-        _log.info("flow solver: %s", self.flow.case.solver)
-        scheme, added_mass = scheme_named(
-            scene.coupling.scheme, relaxation=scene.coupling.relaxation, reuse=scene.coupling.reuse
-        )
-        gravity = float(np.linalg.norm(scene.gravity))
-        self.step = CoupledStep(
-            self.cloth, self.flow, self.mapping, scheme, added_mass=added_mass,
-            convergence=Convergence(tolerance=scene.coupling.tolerance, acceleration=gravity),
-            max_iterations=scene.coupling.max_iterations, record=record,
-        )  # fmt: skip
+        self.step = self.model.time_step(self.scene, self.cloth, self.folder, record)
+        self.tally.statistics.flow_solver = self.step.solver
 
-    def advance(self, now: float, after: float) -> tuple[LiquidSample | None, int, float]:
-        """One step from ``now`` to ``after`` [s]: the liquid's sample, iterations, residual.
+    def advance(self, now: float, after: float) -> StepReport:
+        """One step from ``now`` to ``after`` [s]; what it took.
 
         Raises ``RunFailed`` when too many steps did not converge.
         """
-        dt, tally, step = self.scene.time.step, self.tally, self.step
-        whole = isinstance(step, CoupledStep) and not self.flow.case.uneven_steps
+        dt, tally = self.scene.time.step, self.tally
         self._parts = []
-        with self._step_timed():
-            parts = advance(
-                step, now, dt, self.load, halvings=0 if whole else HALVINGS, taken=self._taken
-            )
-        if isinstance(step, CoupledStep):
-            return self._coupled(step, after, parts)
-        state = self.cloth.state
-        tally.volume(abs(state.volume / self.scene.liquid_volume - 1.0))
-        tally.structure(after, state, converged=self._converged, steps=parts)
-        if isinstance(step, DryStep):
-            return None, 1, 0.0
-        sample, shapes, residual = step.told()
-        tally.liquid(sample, shapes)
-        return sample, shapes, residual
-
-    @contextmanager
-    def _step_timed(self) -> Iterator[None]:
-        """Add the wall time of a step to its parts, also where it fails."""
-        clock, step = perf_counter(), self.step
-        by_part = self.tally.statistics.wall_by_part
         try:
-            yield
+            parts = advance(
+                self.step, now, dt, self.load,
+                halvings=HALVINGS if self.step.halvable else 0, taken=self._taken,
+            )  # fmt: skip
         finally:
-            if isinstance(step, CoupledStep):
-                for part, seconds in step.wall.items():
-                    by_part[part] += seconds
-                    step.wall[part] = 0.0
-            else:
-                self.tally.seconds("structure", clock)
-            if isinstance(step, PotentialStep):
-                by_part["structure"] -= step.wall
-                by_part["fluid"] += step.wall
-                step.wall = 0.0
+            for part, seconds in self.step.seconds().items():
+                tally.statistics.wall_by_part[part] += seconds
+        report, state = self.step.report(), self.cloth.state
+        tally.coupling(after, report, volume=state.volume)
+        tally.structure(after, state, converged=self._converged, steps=parts)
+        return report
 
     def _taken(self, dt: float) -> None:
         """Note the end of a part of ``dt`` [s]."""
@@ -166,18 +117,10 @@ class Participants:
         """Means over the last step."""
         return mean_losses([(dt, losses) for dt, losses, _ in self._parts])
 
-    def _coupled(
-        self, step: CoupledStep, after: float, parts: int
-    ) -> tuple[FlowSample, int, float]:
-        outcome = step.told()
-        self.tally.coupling(after, outcome)
-        self.tally.structure(after, self.cloth.state, converged=self._converged, steps=parts)
-        return outcome.sample, outcome.iterations, outcome.residual
-
     def load(self, start: float, end: float) -> HydrostaticLoad:
         """The liquid's load in a step from ``start`` to ``end`` [s], after the committed state."""
         shaking = self.motion.step_acceleration(start, end, self.cloth.previous_step)
-        self._load = self.model.load(np.asarray(self.scene.gravity) - shaking)
+        self._load = self._load_model.load(np.asarray(self.scene.gravity) - shaking)
         return self._load
 
     def _acceleration(self, time: float) -> Array:
@@ -195,56 +138,32 @@ class Participants:
             self.cloth, self.cloth.state, liquid, self.scene, self._losses(), acceleration=shaking
         )
 
-    def sample(
-        self,
-        time: float,
-        liquid: LiquidSample | None,
-        iterations: int,
-        residual: float,
-        metrics: dict[str, float],
-    ) -> Sample:
+    def sample(self, time: float, report: StepReport, metrics: dict[str, float]) -> Sample:
         """Results of the committed state at ``time`` [s], with ``metrics`` among its own."""
-        state = self.cloth.state
+        state, liquid = self.cloth.state, report.sample
         pressures = still(len(state.position))
-        if isinstance(self.step, PotentialStep):
-            metrics = (
-                metrics | liquid_metrics(liquid) | {"energy_removed": self.step.energy_removed}
-            )
-            if liquid is not None:
-                pressures = at_nodes(liquid, self.step.liquid.to_nodes(state.position).dot)
-        elif isinstance(self.step, CoupledStep):
-            assert liquid is None or isinstance(liquid, FlowSample)
-            mesh = self.flow.non_orthogonality_max, self.flow.wall_distance
-            metrics = metrics | flow_metrics(liquid, *mesh)
-            if liquid is not None:
-                pressures = at_nodes(liquid, self.mapping.to_nodes)
+        if liquid is not None:
+            pressures = at_nodes(liquid, self.step.to_nodes)
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
             load=self._load, acceleration=self._acceleration(time),
             displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
-            iterations=iterations, residual=residual, metrics=metrics,
+            iterations=report.iterations, residual=report.residual,
+            metrics=metrics | self.step.metrics(liquid),
         )  # fmt: skip
 
     def write_fields(self) -> None:
         """Leave the flow's fields as committed in its folder, where the scene asks for them."""
-        if isinstance(self.step, CoupledStep) and self.scene.openfoam.write_fields:
-            self.flow.write_fields()
+        self.step.write_fields()
 
     def save(self) -> dict[str, dict[str, AnyArray]]:
         """Everything ``restore`` needs to go on bit for bit."""
-        saved: dict[str, dict[str, AnyArray]] = {
+        return {
             "settled": self.settled, "structure": self.cloth.save(),
-        }  # fmt: skip
-        if isinstance(self.step, CoupledStep):
-            saved["flow"] = self.flow.save()
-            saved["scheme"] = self.step.scheme.save()
-        if not isinstance(self.step, DryStep):
-            saved["coupled"] = self.step.save()
-        return saved
+        } | self.step.save()  # fmt: skip
 
     def close(self) -> None:
         """End a flow's solver."""
-        if isinstance(self.step, CoupledStep):
-            self.flow.close()
-            if self.scene.openfoam.write_fields:
-                self.tally.statistics.flow_fields_bytes = self.flow.case.size
+        size = self.step.close()
+        if size is not None:
+            self.tally.statistics.flow_fields_bytes = size

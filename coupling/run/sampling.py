@@ -9,18 +9,8 @@ import numpy as np
 
 from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.bernoulli import node_areas, weighted_rms
-from coupling.ports import (
-    Array,
-    DiaphragmState,
-    FlowSample,
-    HydrostaticLoad,
-    Ints,
-    LiquidSample,
-)
+from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, LiquidSample
 from coupling.store.run_record import Sample
-
-LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy", "wall_slip")
-MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error", "wall_distance")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,27 +105,3 @@ def split_metrics(
     found = {name: weighted_rms(values[None], weight) for name, values in parts.items()}
     square = float(weight[0] @ pressures.viscous**2 / weight.sum())
     return found | {"viscous_traction_rms": float(np.sqrt(square))}
-
-
-def flow_metrics(
-    flow: FlowSample | None, non_orthogonality: float, wall_distance: float
-) -> dict[str, float]:
-    """The flow's scalars for a sample; at the start the liquid is at rest and has only its mesh.
-
-    ``non_orthogonality`` [deg], ``wall_distance`` [m]: the committed mesh's.
-    """
-    if flow is None:
-        return liquid_metrics(None) | {
-            "non_orthogonality_max": non_orthogonality,
-            "volume_error": 0.0,
-            "continuity_error": 0.0,
-            "wall_distance": wall_distance,
-        }
-    return liquid_metrics(flow) | {name: float(getattr(flow, name)) for name in MESH_METRICS}
-
-
-def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
-    """A moving liquid's scalars for a sample; at the start it is at rest."""
-    if liquid is None:
-        return dict.fromkeys(LIQUID_METRICS, 0.0)
-    return {name: float(getattr(liquid, name)) for name in LIQUID_METRICS}

@@ -8,10 +8,9 @@ from time import perf_counter
 import numpy as np
 
 from coupling.metrics.strains import spread
-from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
+from coupling.ports import Array, DiaphragmState, RunFailed, StepReport
 from coupling.run.mends import better_scheme, said
 from coupling.scene.scene import Scene
-from coupling.step.coupled import StepOutcome
 from coupling.store.run_record import RunStatistics
 
 _log = logging.getLogger(__name__)
@@ -63,34 +62,26 @@ class Tally:
                 f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
             )
 
-    def volume(self, error: float) -> None:
-        """Relative ``error`` of the liquid's volume after a step."""
-        self.statistics.volume_error_max = max(self.statistics.volume_error_max, error)
+    def coupling(self, time: float, report: StepReport, *, volume: float) -> None:
+        """A step that ends at ``time`` [s] with ``volume`` [m^3] below the diaphragm.
 
-    def liquid(self, sample: LiquidSample, iterations: int) -> None:
-        """A moving liquid's end of a step, which took ``iterations``."""
-        statistics = self.statistics
-        statistics.iterations_total += iterations
-        statistics.iterations_max = max(statistics.iterations_max, iterations)
-        self.flow(sample)
-
-    def flow(self, sample: LiquidSample) -> None:
-        """A moving liquid at the end of a part of a step."""
-        statistics = self.statistics
-        statistics.speed_max = max(statistics.speed_max or 0.0, sample.speed_max)
-        statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, sample.dphi_dt_max)
-
-    def coupling(self, time: float, outcome: StepOutcome) -> None:
-        """A coupled step; raises ``RunFailed`` when too many did not converge."""
-        self.liquid(outcome.sample, outcome.iterations)
-        for part in outcome.parts:
-            self.flow(part)
-            self.volume(part.volume_error)
-        if not outcome.converged:
+        Raises ``RunFailed`` when too many did not converge.
+        """
+        statistics, error = self.statistics, report.volume_error
+        if error is None:
+            error = abs(volume / self.scene.liquid_volume - 1.0)
+        statistics.volume_error_max = max(statistics.volume_error_max, error)
+        for sample in report.samples:
+            statistics.speed_max = max(statistics.speed_max or 0.0, sample.speed_max)
+            statistics.dphi_dt_max = max(statistics.dphi_dt_max or 0.0, sample.dphi_dt_max)
+        if report.samples:
+            statistics.iterations_total += report.iterations
+            statistics.iterations_max = max(statistics.iterations_max, report.iterations)
+        if not report.converged:
             self._unconverged(
                 time,
                 f"t = {time:.6g} s: the coupling left a relative residual of "
-                f"{outcome.residual:.1e} after {outcome.iterations} iterations in all (tolerance "
+                f"{report.residual:.1e} after {report.iterations} iterations in all (tolerance "
                 f"{self.scene.coupling.tolerance:g}).",
                 said(
                     [

@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from coupling.fluids import FLUIDS
 from coupling.run.driver import run
 from coupling.scene.scene import Scene
 
@@ -16,12 +17,12 @@ def warm_up(scenes: Iterable[Scene]) -> None:
     """Run a few steps of each of ``scenes``, on a mesh of few triangles.
 
     Compiled kernels are kept on disk, by place and version of the code: mostly this only loads
-    them. How the runs end does not matter. Scenes with OpenFOAM are left out: what is compiled of
-    them the others have too.
+    them. How the runs end does not matter. Scenes of a model whose kernels a quicker one
+    has too are left out.
     """
     with tempfile.TemporaryDirectory() as folder:
         for number, scene in enumerate(scenes):
-            if scene.model.fluid != "openfoam":
+            if FLUIDS[scene.model.fluid].kernels_of is None:
                 run(_short(scene), Path(folder) / str(number))
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coupling.finite_volume.mesh import cells_above, cells_made
+from coupling.scene.choices import fluid_models, keeps_volume, motion_kind
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene.sections import LEAST, Motion
-from coupling.scene.tables.text import TableError
 from coupling.scene.wrinkles import (
     CELLS_A_WAVELENGTH,
     grid_spacing,
@@ -88,9 +88,10 @@ def _check_grid(scene: Scene) -> list[str]:
     if scene.cloth.grid != "thesis":
         return []
     problems = []
-    if scene.model.fluid != "datum":
+    if keeps_volume(scene.model.fluid):
+        names = " or ".join(f'"{name}"' for name in fluid_models() if not keeps_volume(name))
         problems.append(
-            f'cloth.grid: "thesis" needs model.fluid = "datum", got "{scene.model.fluid}". '
+            f'cloth.grid: "thesis" needs model.fluid = {names}, got "{scene.model.fluid}". '
             'Take cloth.grid = "rings" for a liquid that keeps its volume.'
         )
     if scene.cloth.resolution % 2:
@@ -167,15 +168,11 @@ def _check_wrinkling(scene: Scene) -> list[str]:
 
 def _check_motion(scene: Scene) -> list[str]:
     motion = scene.motion
-    needs: dict[str, tuple[str, ...]] = {
-        "sine": ("frequency", "amplitude"),
-        "table": ("file",),
-        "rest": (),
-    }
+    kind = motion_kind(motion.kind)
     problems = [
         f'motion.{key}: is required for kind = "{motion.kind}". '
         f"Give the {Motion.model_fields[key].description}."
-        for key in needs[motion.kind]
+        for key in kind.needs
         if getattr(motion, key) is None
     ]
     if not any(motion.direction):
@@ -183,28 +180,12 @@ def _check_motion(scene: Scene) -> list[str]:
             "motion.direction: must not be zero, got [0, 0, 0]. "
             "Give the direction of the shaking, such as [1.0, 0.0, 0.0]."
         )
-    if motion.file is not None and motion.kind != "table":
+    if motion.file is not None and not kind.reads_file:
         problems.append(
             f'motion.file: is read with motion.kind = "table" only, got kind = "{motion.kind}". '
             'Set motion.kind = "table", or leave the file out.'
         )
-    if motion.kind == "table" and motion.file is not None:
-        problems += _check_table(motion, scene.time.step * scene.time.steps)
-    return problems
-
-
-def _check_table(motion: Motion, end: float) -> list[str]:
-    try:
-        table = motion.record
-    except TableError as error:
-        return [f"motion.file: {error}"]
-    first, last = float(table.time[0]), float(table.time[-1])
-    if first > 0.0 or last < end * (1.0 - 1e-9):
-        return [
-            f"motion.file: {motion.file}: must cover 0 to {end:g} s, covers {first:g} to "
-            f"{last:g} s. Shorten time.duration, or give a longer table that starts at 0."
-        ]
-    return []
+    return [*problems, *kind.problems(motion, scene.time.step * scene.time.steps)]
 
 
 def _check_time(scene: Scene) -> list[str]:

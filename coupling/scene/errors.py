@@ -68,7 +68,10 @@ def _problem(details: ErrorDetails, root: type[BaseModel]) -> str:
         name = details["ctx"]["key"]
         return f"{key}.{name}: {_shown(details['input'][name])} {details['msg']}."
     if kind == "literal_error":
-        return f"{key}: {_literal(field, details['input'])}"
+        assert field is not None
+        return f"{key}: {_choice(get_args(field.annotation), details['input'])}"
+    if kind == "unknown_choice":
+        return f"{key}: {_choice(details['ctx']['choices'], details['input'])}"
     if kind in _RANGES:
         return f"{key}: {_range(field)}, got {got}. {_mend(field, names)}"
     if kind in {"model_type", "model_attributes_type", "dict_type"}:
@@ -110,9 +113,7 @@ def _mend(field: FieldInfo | None, names: Sequence[str]) -> str:
     return f"Give the {field.description}{instead}."
 
 
-def _literal(field: FieldInfo | None, value: Any) -> str:
-    assert field is not None
-    choices = get_args(field.annotation)
+def _choice(choices: Sequence[Any], value: Any) -> str:
     listed = ", ".join(_shown(choice) for choice in choices)
     near = difflib.get_close_matches(str(value), [str(choice) for choice in choices], n=1)
     mend = f"Did you mean {near[0]}?" if near else "This version offers nothing else."

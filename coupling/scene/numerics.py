@@ -6,11 +6,12 @@ Descriptions complete the sentence "Give the ...", as in ``sections``.
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from cloth.thesis.grid import SIZE
+from coupling.scene.choices import best_scheme, one_of, schemes
 from coupling.scene.sections import Section
 
 MOST_RINGS = 200
@@ -120,9 +121,8 @@ class OpenFoam(Section):
 class Coupling(Section):
     """How diaphragm and flow are made to agree within a step."""
 
-    scheme: Literal["added-mass", "iqn-ils", "aitken", "fixed-point"] = Field(
-        default="added-mass",
-        description='coupling scheme: "added-mass", "iqn-ils", "aitken" or "fixed-point"',
+    scheme: Annotated[str, one_of(schemes)] = Field(
+        default_factory=best_scheme, description="name of a coupling scheme"
     )
     tolerance: float = Field(default=1e-4, gt=0, lt=1, description="relative residual to reach")
     max_iterations: int = Field(default=30, ge=1, le=MOST, description="most iterations of a step")

@@ -17,6 +17,7 @@ from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from coupling.scene.checks import problems_between
+from coupling.scene.choices import motion_kind
 from coupling.scene.diaphragm import Diaphragm
 from coupling.scene.errors import SceneError, problems_of
 from coupling.scene.numerics import Cloth, Coupling, OpenFoam, Potential, Time
@@ -65,10 +66,14 @@ class Scene(Section):
         return self.liquid.fill_fraction * self.tank.volume
 
     @property
+    def frequency(self) -> float | None:
+        """Of a periodic motion [Hz]; None for any other."""
+        return motion_kind(self.motion.kind).frequency(self.motion) or None
+
+    @property
     def period(self) -> float | None:
-        """Of a sinusoidal motion [s]; None for any other."""
-        frequency = self.motion.frequency
-        return 1.0 / frequency if self.motion.kind == "sine" and frequency else None
+        """Of a periodic motion [s]; None for any other."""
+        return 1.0 / self.frequency if self.frequency else None
 
     @property
     def loss_time(self) -> float:
@@ -152,7 +157,7 @@ def tables_of(scene: Scene) -> dict[tuple[str, str], Path]:
     files = {}
     for section, key in TABLE_FILES:
         name = getattr(getattr(scene, section), key)
-        if name is not None and (section != "motion" or scene.motion.kind == "table"):
+        if name is not None and (section != "motion" or motion_kind(scene.motion.kind).reads_file):
             files[section, key] = Path(name)
     return files
 

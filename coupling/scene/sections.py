@@ -8,17 +8,16 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from coupling.ports import Array
+from coupling.scene.choices import AUTO, best_fluid_model, fluid_models, motion_kinds, one_of
 from coupling.scene.liquids import LIQUIDS
 from coupling.scene.motion_table import MotionTable, read_motion_table
-
-LADDER = ("datum", "hydrostatic", "potential", "openfoam")  # fluid models, the simplest first
 
 _LIQUID: dict[str, Any] = {"instead": 'a known liquid such as name = "water"'}
 
@@ -122,8 +121,8 @@ class Motion(Section):
     amplitude A, which then stands for it. ``table``: accelerations from a CSV file. ``rest``: none.
     """
 
-    kind: Literal["sine", "table", "rest"] = Field(
-        default="rest", description='kind of motion: "sine", "table" or "rest"'
+    kind: Annotated[str, one_of(motion_kinds)] = Field(
+        default="rest", description='kind of motion, such as "sine", "table" or "rest"'
     )
     frequency: float | None = Field(default=None, gt=0, description="frequency [Hz]")
     amplitude: float | None = Field(
@@ -190,10 +189,9 @@ class Motion(Section):
 class Model(Section):
     """Which liquid the diaphragm feels."""
 
-    fluid: Literal["datum", "hydrostatic", "potential", "openfoam", "auto"] = Field(
-        default="openfoam",
-        description='fluid model: "datum", "hydrostatic", "potential", "openfoam", or "auto" for '
-        "the cheapest that keeps the tolerance",
+    fluid: Annotated[str, one_of(fluid_models, AUTO)] = Field(
+        default_factory=best_fluid_model,
+        description=f'name of a fluid model, or "{AUTO}" for the cheapest that keeps the tolerance',
     )
     tolerance: float = Field(
         default=0.05,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from coupling.ports import SchemeSettings
 from coupling.schemes.iqn_ils import IqnIls
 
 
@@ -18,5 +19,14 @@ class AddedMass(IqnIls):
     reused step took 3.67 iterations a step, none took 3.65.
     """
 
+    takes_inertia = True
+    typical_iterations = 4.0
+
     def __init__(self) -> None:
         super().__init__(1.0, 0)
+
+    @classmethod
+    def of(cls, settings: SchemeSettings) -> AddedMass:
+        """It has no settings of its own."""
+        del settings
+        return cls()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from coupling.ports import Array
+from coupling.ports import Array, SchemeSettings
 from coupling.schemes.fixed_point import FixedPoint
 
 
@@ -21,6 +21,11 @@ class Aitken(FixedPoint):
         super().__init__(relaxation)
         self._omega = relaxation
         self._previous: Array | None = None
+
+    @classmethod
+    def of(cls, settings: SchemeSettings) -> Aitken:
+        """With the first relaxation of the scene."""
+        return cls(settings.relaxation)
 
     def begin_step(self) -> None:
         """Forget the residual; bound the relaxation as the papers do."""

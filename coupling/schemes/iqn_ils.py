@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
-from coupling.ports import Array
+from coupling.ports import Array, SchemeSettings
 
 
 class IqnIls:
@@ -17,6 +18,9 @@ class IqnIls:
     that depend on newer ones (Haelterman et al., Comput. Struct. 171, 2016).
     """
 
+    takes_inertia: ClassVar[bool] = False
+    typical_iterations: ClassVar[float] = 11.0
+
     # Of a column's length: what must be left beyond the newer columns. The diaphragm's contact and
     # its inner iteration make columns of former steps noisy: on the start of pad sway (8 steps
     # reused) 0.1 takes 13 iterations a step, 0.3 takes 16, 0.001 diverges, and no reuse takes 25.
@@ -26,6 +30,11 @@ class IqnIls:
         self.relaxation, self.reuse, self.filtering = relaxation, reuse, filtering
         self._steps: list[tuple[Array, Array]] = []  # (V, W) of former steps, newest first
         self.begin_step()
+
+    @classmethod
+    def of(cls, settings: SchemeSettings) -> IqnIls:
+        """With the first relaxation of the scene, and the columns of as many former steps."""
+        return cls(settings.relaxation, settings.reuse)
 
     def begin_step(self) -> None:
         """Start the step's own columns."""

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from time import perf_counter
 
 from coupling.interface.mapping import InterfaceMap
-from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, Scheme, StepFailed, Structure
+from coupling.ports import (
+    Array,
+    Flow,
+    FlowSample,
+    HydrostaticLoad,
+    Scheme,
+    StepFailed,
+    StepReport,
+    Structure,
+)
 from coupling.step.convergence import Convergence
 from coupling.step.divergence import diverged, told_from_divergence
 from coupling.step.interface_problem import InterfaceProblem
@@ -20,21 +28,6 @@ SLOW, MAPS = 8, 3  # iterations on a map before its rate is judged; maps of a st
 RATE = 0.3  # of the residual: what an iteration with the added mass should leave
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, kw_only=True)
-class StepOutcome:
-    """What a coupled step took, in all parts and tries.
-
-    ``residual`` is relative, as ``Convergence`` has it, and the largest of the parts. ``sample`` is
-    that of the end, with the work of all ``parts``.
-    """
-
-    iterations: int
-    residual: float
-    converged: bool
-    sample: FlowSample
-    parts: list[FlowSample]
 
 
 class CoupledStep:
@@ -66,23 +59,23 @@ class CoupledStep:
         self.convergence = convergence
         self.max_iterations = max_iterations
         self.record = record
-        self._tried, self._parts = 0, list[tuple[float, FlowSample]]()  # since ``told`` was asked
+        self._tried, self._parts = 0, list[tuple[float, FlowSample]]()  # since the last report
 
     @property
     def wall(self) -> dict[str, float]:
         """Seconds spent in "structure", "fluid" and "mapping"."""
         return self.problem.wall
 
-    def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepOutcome:
+    def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepReport:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``, in one."""
         self.attempt(time, dt, load)
         self.accept()
-        return self.told()
+        return self.report()
 
     def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
         """Solve a step from ``time`` to ``time + dt`` [s]. Raises ``StepFailed``, ArithmeticError.
 
-        Iterations that end before they have converged are no failure; ``told`` says so.
+        Iterations that end before they have converged are no failure; ``report`` says so.
         """
         scheme = self.scheme.save()
         try:
@@ -169,17 +162,17 @@ class CoupledStep:
         self.scheme.accept_step(x.ravel(), residual.ravel())
         self._parts.append((self._residual, self.problem.accept_step()))
 
-    def told(self) -> StepOutcome:
-        """What the steps since this was last asked took, as one; the sample's work is of all."""
+    def report(self) -> StepReport:
+        """What the steps took that were accepted since the last report, as one."""
         tried, self._tried = self._tried, 0
         parts, self._parts = self._parts, []
-        residual, last = max(residual for residual, _ in parts), parts[-1][1]
-        return StepOutcome(
+        residual = max(residual for residual, _ in parts)
+        return StepReport(
             iterations=tried,
             residual=residual,
             converged=residual <= self.convergence.tolerance,
-            sample=replace(last, pressure_work=sum(sample.pressure_work for _, sample in parts)),
-            parts=[sample for _, sample in parts],
+            samples=tuple(sample for _, sample in parts),
+            volume_error=max(sample.volume_error for _, sample in parts),
         )
 
     def save(self) -> dict[str, Array]:

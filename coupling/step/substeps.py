@@ -1,53 +1,19 @@
-"""The step of a diaphragm without a flow, and steps taken again as two halves where they fail."""
+"""Steps taken again as two halves where they fail."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Protocol
 
-import numpy as np
-
-from coupling.ports import HydrostaticLoad, StepFailed
-from coupling.structure.diaphragm import Diaphragm
+from coupling.ports import HydrostaticLoad, StepFailed, TimeStep
 
 HALVINGS = 3
 
 _log = logging.getLogger(__name__)
 
 
-class Step(Protocol):
-    """A time step that can be tried with a shorter ``dt`` if it fails."""
-
-    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
-        """Solve a step from ``time`` to ``time + dt`` [s]; whether it is good enough.
-
-        Raises ArithmeticError or ``StepFailed``.
-        """
-
-    def accept(self) -> None:
-        """Commit the last attempt."""
-
-
-class DryStep:
-    """The step of a diaphragm under a hydrostatic load alone."""
-
-    def __init__(self, cloth: Diaphragm) -> None:
-        self.cloth = cloth
-
-    def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
-        """See ``Step``."""
-        self.cloth.begin_step(dt, load)
-        self.cloth.solve(np.zeros_like(self.cloth.reference))
-        return self.cloth.converged
-
-    def accept(self) -> None:
-        """See ``Step``."""
-        self.cloth.accept_step()
-
-
 def advance(
-    step: Step,
+    step: TimeStep,
     now: float,
     dt: float,
     load: Callable[[float, float], HydrostaticLoad],
@@ -59,7 +25,7 @@ def advance(
 
     A step that does not converge is taken again as two of half its length, ``halvings`` times at
     most; the last is accepted as it is, unless it fails. Raises its ArithmeticError or
-    ``StepFailed`` then. ``taken`` is told the length [s] of every part, once accepted.
+    ``StepFailed`` then. ``taken`` is called with the length [s] of every part, once accepted.
     """
     try:
         good = step.attempt(now, dt, load(now, now + dt)) or halvings == 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from coupling.ports import Array
-from coupling.schemes import IqnIls
+from coupling.schemes.iqn_ils import IqnIls
 from coupling.step.convergence import rms
 from coupling.step.interface_problem import InterfaceProblem
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from typing import Any
 
 from coupling.ports import RunFailed
+from coupling.registry import Registry
 from coupling.verify.case import CaseError, Quantity, VerifyResult, beyond, quantity
 
 __all__ = [
@@ -28,32 +28,33 @@ __all__ = [
     "run_case",
 ]
 
-CASES: dict[str, str] = {
-    "mylar": "coupling.verify.membranes:mylar",
-    "balloon": "coupling.verify.membranes:balloon",
-    "hammock": "coupling.verify.membranes:hammock",
-    "lintearia": "coupling.verify.hanging:lintearia",
-    "chain": "coupling.verify.hanging:chain",
-    "static-level": "coupling.verify.static_level:static_level",
-    "slosh": "coupling.verify.slosh:slosh",
-    "cylinder": "coupling.verify.cylinder:cylinder",
-    "plate": "coupling.verify.plate:plate",
-    "piston": "coupling.verify.piston:piston",
-    "rigid": "coupling.verify.rigid:rigid",
-    "momentum": "coupling.verify.momentum:momentum",
-    "hydrostatic-limit": "coupling.verify.hydrostatic_limit:hydrostatic_limit",
-    "eq46": "coupling.verify.numbers:eq46",
-    "numbers": "coupling.verify.numbers:numbers",
-}
+CASES: Registry[Callable[..., VerifyResult]] = Registry(
+    "case",
+    {
+        "mylar": "coupling.verify.membranes:mylar",
+        "balloon": "coupling.verify.membranes:balloon",
+        "hammock": "coupling.verify.membranes:hammock",
+        "lintearia": "coupling.verify.hanging:lintearia",
+        "chain": "coupling.verify.hanging:chain",
+        "static-level": "coupling.verify.static_level:static_level",
+        "slosh": "coupling.verify.slosh:slosh",
+        "cylinder": "coupling.verify.cylinder:cylinder",
+        "plate": "coupling.verify.plate:plate",
+        "piston": "coupling.verify.piston:piston",
+        "rigid": "coupling.verify.rigid:rigid",
+        "momentum": "coupling.verify.momentum:momentum",
+        "hydrostatic-limit": "coupling.verify.hydrostatic_limit:hydrostatic_limit",
+        "eq46": "coupling.verify.numbers:eq46",
+        "numbers": "coupling.verify.numbers:numbers",
+    },
+)
 
 
 def case_function(name: str) -> Callable[..., VerifyResult]:
     """Function of a case; ``CaseError`` for an unknown one."""
     if name not in CASES:
         raise CaseError(f"verify: unknown case '{name}'. There are {', '.join(CASES)}.")
-    module, _, function = CASES[name].partition(":")
-    found: Callable[..., VerifyResult] = getattr(import_module(module), function)
-    return found
+    return CASES[name]
 
 
 def case_options(name: str) -> dict[str, inspect.Parameter]:

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from coupling.finite_volume.geometry import fan_volume
 from coupling.finite_volume.mesh import LiquidMesh
-from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.fluids.potential.harmonics import SolidHarmonics
 from coupling.fluids.potential.ritz import RitzLiquid, wall_integral
 from coupling.foam.installation import find_openfoam

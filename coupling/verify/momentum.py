@@ -11,13 +11,13 @@ import numpy as np
 
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.mesh import half_ball
-from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.installation import find_openfoam
 from coupling.interface.mapping import Matching
-from coupling.motion.kinds import SineMotion
-from coupling.ports import Array, HydrostaticLoad, RunFailed
-from coupling.schemes import scheme_named
+from coupling.motion.sine import SineMotion
+from coupling.ports import Array, FlowSample, HydrostaticLoad, RunFailed
+from coupling.schemes.added_mass import AddedMass
 from coupling.step.convergence import Convergence
 from coupling.step.coupled import CoupledStep
 from coupling.verify.case import CaseError, VerifyResult, quantity
@@ -107,9 +107,8 @@ def _recorded(flow: OpenFoamFlow, step: float) -> tuple[Array, Array, Array, flo
     patch, shell, path = level_shape(flow.mesh, 0.0)
     surface = FreeSurface(patch, flow.faces, path, mass=1e-3, density=DENSITY, gravity=GRAVITY)
     flow.start(patch, shell, 2 * np.pi * RADIUS**3 / 3)
-    scheme, added_mass = scheme_named("added-mass", relaxation=1.0, reuse=0)
     coupled = CoupledStep(
-        surface, flow, Matching(), scheme, added_mass=added_mass, max_iterations=30,
+        surface, flow, Matching(), AddedMass(), added_mass=True, max_iterations=30,
         convergence=Convergence(tolerance=1e-4, acceleration=GRAVITY * TILT),
         record=lambda *_: None,
     )  # fmt: skip
@@ -133,6 +132,7 @@ def _recorded(flow: OpenFoamFlow, step: float) -> tuple[Array, Array, Array, flo
         volume = cell_geometry(flow.mesh, read_points(time / "polyMesh" / "points")).volume
         momentum = DENSITY * volume @ read_cells(time / "U", flow.mesh.cells)
         sample = outcome.sample
+        assert isinstance(sample, FlowSample)
         samples.append((sample.wall_pressure_force, sample.liquid_cg, momentum))
     force, centre, flow_momentum = (np.array(column) for column in zip(*samples, strict=True))
     return force, centre, flow_momentum, DENSITY * flow.volume

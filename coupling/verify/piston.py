@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from coupling.finite_volume.mesh import LiquidMesh, assemble
-from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.installation import find_openfoam
 from coupling.interface.mapping import Matching
 from coupling.ports import Array, HydrostaticLoad, Ints, RunFailed
-from coupling.schemes import scheme_named
+from coupling.scene.numerics import Coupling
+from coupling.schemes import SCHEMES
 from coupling.step.convergence import Convergence
 from coupling.step.coupled import CoupledStep
 from coupling.verify.case import CaseError, VerifyResult, quantity
@@ -28,7 +29,6 @@ AMPLITUDE = 1e-3  # m: the case is linear but for its square
 PERIODS = 1.0
 TOLERANCE = 1e-4
 RELAXATION = 0.1  # first one of aitken and iqn-ils
-SCHEMES = ("added-mass", "iqn-ils", "aitken", "fixed-point")
 
 
 def piston(
@@ -86,7 +86,7 @@ def _release(
     flow.start(points[mesh.patch_points], points[mesh.shell_points], WIDTH**2 * LENGTH)
     body = Piston(flow.points, flow.faces, mass=mass, stiffness=stiffness)
     body.stretch(AMPLITUDE)
-    coupling, added_mass = scheme_named(scheme, relaxation=RELAXATION, reuse=0)
+    kind = SCHEMES[scheme]
     first: list[float] = []
 
     def record(_time: float, iteration: int, residual: float, _seconds: float) -> None:
@@ -94,7 +94,8 @@ def _release(
             first.append(residual)
 
     coupled = CoupledStep(
-        body, flow, Matching(), coupling, added_mass=added_mass, max_iterations=200, record=record,
+        body, flow, Matching(), kind.of(Coupling(relaxation=RELAXATION, reuse=0)),
+        added_mass=kind.takes_inertia, max_iterations=200, record=record,
         convergence=Convergence(tolerance=TOLERANCE, acceleration=OMEGA**2 * AMPLITUDE),
     )  # fmt: skip
     load = HydrostaticLoad(density=DENSITY, body_force=np.zeros(3))

@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 
 from coupling.interface.mapping import Matching
 from coupling.ports import Array, Flow, HydrostaticLoad, RunFailed
-from coupling.schemes import scheme_named
+from coupling.schemes.added_mass import AddedMass
 from coupling.step.convergence import Convergence
 from coupling.step.coupled import CoupledStep
 from coupling.verify.free_surface import FreeSurface
@@ -27,9 +27,8 @@ def coupled_release(
     Through the whole coupling; ``surface`` is displaced and ``flow`` started already.
     ``acceleration`` [m/s^2]: the surface's largest, whose way in a step is what counts as small.
     """
-    scheme, added_mass = scheme_named("added-mass", relaxation=1.0, reuse=0)
     coupled = CoupledStep(
-        surface, flow, Matching(), scheme, added_mass=added_mass, max_iterations=30,
+        surface, flow, Matching(), AddedMass(), added_mass=True, max_iterations=30,
         convergence=Convergence(tolerance=1e-4, acceleration=acceleration),
         record=lambda *_: None,
     )  # fmt: skip

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from coupling.estimate.sloshing_modes import lateral_eigenvalue
 from coupling.finite_volume.geometry import fan_volume
 from coupling.finite_volume.mesh import LiquidMesh, half_ball, shell_shares
-from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.installation import find_openfoam
 from coupling.ports import Array
 from coupling.verify.case import CaseError, Quantity, VerifyResult, quantity

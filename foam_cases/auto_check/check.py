@@ -16,14 +16,16 @@ from pathlib import Path
 from typing import Any
 
 from coupling.campaign.study import run_or_reuse
-from coupling.estimate.model_errors import FEWER, LADDER, choose, grid_error
+from coupling.estimate.model_errors import choose, ladder
 from coupling.estimate.numbers import numbers_of
+from coupling.fluids.openfoam.model import FEWER, grid_error
 from coupling.metrics.comparison import cg_motion
 from coupling.scene.scene import Scene, load_scene, with_overrides
 
 HERE = Path(__file__).parent
 BASE = HERE.parent / "sway_map" / "scene.toml"
 COMMON = ("time.periods=4", "time.steps_per_period=50", "cloth.resolution=14")
+LADDER = ladder()
 TOP = LADDER[-1]
 
 

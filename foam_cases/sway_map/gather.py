@@ -18,14 +18,15 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from coupling.estimate.model_errors import CELLS, COLUMNS, FEWER, LADDER, grid_error
+from coupling.estimate.model_errors import COLUMNS, ladder
+from coupling.fluids.openfoam.model import CELLS, FEWER, grid_error
 from coupling.metrics.comparison import cg_motion
 
 
 def model_rows(point: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Rows of one point: every model that completed against the next one up that did."""
     models = point["models"]
-    done = [name for name in LADDER if (models.get(name) or {}).get("status") == "completed"]
+    done = [name for name in ladder() if (models.get(name) or {}).get("status") == "completed"]
     for model, reference in pairwise(done):
         error = cg_motion(models[model]["cg"], models[reference]["cg"])
         if error is not None and models[model]["fitted_periods"]:

@@ -17,7 +17,7 @@ from coupling.finite_volume.geometry import cell_geometry, fan_volume, non_ortho
 from coupling.finite_volume.gradients import wall_distance
 from coupling.finite_volume.mesh import half_ball
 from coupling.finite_volume.swept import pressure_force
-from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.installation import find_openfoam
 from coupling.foam.process import run_program

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coupling.fluids.openfoam import OpenFoamFlow
+from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.ports import StepFailed
 from coupling.run.driver import run
 from coupling.scene.scene import scene_from

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from test_case import check_mesh, figure
 
-from coupling.fluids.liquid import flow_of, load_model, start_flow
+from coupling.fluids.hydrostatic import hydrostatic_of
+from coupling.fluids.openfoam.step import flow_of, start_flow
 from coupling.scene.scene import scene_from
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -25,7 +26,7 @@ def test_check_mesh_below_the_settled_diaphragm(tmp_path, fill):
         }
     )
     cloth = diaphragm_of(scene)
-    settle_diaphragm(cloth, scene, load_model(scene).load(np.array([0.0, 0.0, -9.81])))
+    settle_diaphragm(cloth, scene, hydrostatic_of(scene).load(np.array([0.0, 0.0, -9.81])))
     flow, mapping = flow_of(scene, tmp_path / "foam", cloth)
     start_flow(flow, mapping, scene, cloth)
     text = check_mesh(flow, "-time", "0")

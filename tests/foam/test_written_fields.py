@@ -6,7 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from coupling.estimate.cost import fields_size
+from coupling.fluids.openfoam.model import OPENFOAM
 from coupling.foam.case import Case
 from coupling.foam.fields import read_cells
 from coupling.run.driver import resume, run
@@ -47,7 +47,7 @@ def test_fields_stand_at_the_times_of_output_also_after_resume(scene, alive, tmp
     assert summary["flow_fields_bytes"] == sum(path.stat().st_size for path in files)
     # what a checkpoint keeps besides, and heads of a kilobyte, are not estimated
     thin = [path for path in files if path.parts[len(foam.parts)] in ("0.01", "0.02", "0.04")]
-    estimate = 3 / 6 * fields_size(load_scene(scene, chosen))
+    estimate = 3 / 6 * OPENFOAM.fields_size(load_scene(scene, chosen))
     assert 0.0 < sum(path.stat().st_size for path in thin) - estimate < 3 * 3 * 1500
     # OpenFOAM's own reader, as ParaView's, takes the points of every time
     done = subprocess.run(

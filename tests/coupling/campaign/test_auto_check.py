@@ -2,7 +2,7 @@
 
 import pytest
 
-from coupling.estimate.model_errors import LADDER
+from coupling.estimate.model_errors import ladder
 from foam_cases.auto_check.check import scenes, true_errors, verdict
 
 VERDICT = ("keeps", "cheaper_suffices", "cheaper_picked")
@@ -39,7 +39,7 @@ def test_what_is_not_known_keeps_no_tolerance():
     assert [dear[name] for name in VERDICT] == [False, True, False]
     wrong = verdict("hydrostatic", errors, 0.1)
     assert [wrong[name] for name in VERDICT] == [False, True, False]
-    none = verdict("openfoam", dict.fromkeys(LADDER), 0.9)
+    none = verdict("openfoam", dict.fromkeys(ladder()), 0.9)
     assert [none[name] for name in VERDICT] == [False, False, False]
     assert none["cheapest"] == "none"
 

@@ -38,7 +38,7 @@ def test_costs_are_right_to_a_factor_of_two(
     monkeypatch: pytest.MonkeyPatch, case: str, changes: str, settling: float, step: float
 ) -> None:
     # As it was when measured.
-    monkeypatch.setattr("coupling.estimate.cost.built_for_any", lambda: True)
+    monkeypatch.setattr("coupling.foam.solver_cache.built_for_any", lambda: True)
     scene = load_scene(CASES / case, changes.split())
     one = step_cost(scene, scene.model.fluid)
     before = run_cost(scene, scene.model.fluid) - scene.time.steps * one
@@ -66,7 +66,7 @@ def test_a_run_here_takes_a_time_within_the_range_said(tmp_path: Path) -> None:
 def test_slower_schemes_and_restarts_cost_more(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ratios of wall times in tables of schemes: 2.1 to 3.3 and 5.8 to 10.2; restarts at 1,216
     cells cost 6.4 times an iteration of the flow."""
-    monkeypatch.setattr("coupling.estimate.cost.built_for_any", lambda: True)
+    monkeypatch.setattr("coupling.foam.solver_cache.built_for_any", lambda: True)
     case = CASES / "pad_sway_coarse"
     cost = {
         text: step_cost(load_scene(case, text.split()), "openfoam")
@@ -78,6 +78,6 @@ def test_slower_schemes_and_restarts_cost_more(monkeypatch: pytest.MonkeyPatch) 
     assert 1.5 < cost["coupling.scheme=iqn-ils"] / known < 3.5
     assert 4.5 < cost["coupling.scheme=aitken"] / known < 10.0
     # Restarted all the same.
-    monkeypatch.setattr("coupling.estimate.cost.built_for_any", lambda: False)
+    monkeypatch.setattr("coupling.foam.solver_cache.built_for_any", lambda: False)
     assert step_cost(load_scene(case), "openfoam") == cost["openfoam.keep_alive=false"]
     assert cost["openfoam.keep_alive=false"] - known == pytest.approx(3 * 0.015 * 5.4, rel=0.3)

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from coupling.estimate.model_errors import grid_error
+from coupling.fluids.openfoam.model import grid_error
 from foam_cases.sway_map.gather import grid_rows, main, model_rows
 
 STILL = [0.0, 0.0]

@@ -6,18 +6,16 @@ import numpy as np
 import pytest
 
 from coupling.estimate.model_errors import (
-    DAMPING,
-    LADDER,
     SHARE,
     Measured,
     choose,
     coordinates,
     estimates,
     fit_errors,
-    inertia_left_out,
-    inertia_wrong,
+    ladder,
 )
-from coupling.estimate.orders import FLOW_ORDER
+from coupling.fluids.model import DAMPING, inertia_left_out, inertia_wrong
+from coupling.fluids.openfoam.model import ORDER
 from coupling.scene.scene import scene_from
 
 
@@ -137,8 +135,8 @@ def test_where_none_is_good_enough_the_best_is_taken_and_said_so(cells, best):
 def test_finer_cells_lower_the_error_of_openfoam():
     coarse, fine = (estimates(scene(openfoam={"cells": n}))["openfoam"] for n in (1300, 10400))
     # the meshes have 1216 and 9728 cells, eight times as many of half the width
-    assert fine.expected == pytest.approx(coarse.expected / 2.0**FLOW_ORDER, rel=1e-12)
-    assert set(LADDER) == set(estimates(scene()))
+    assert fine.expected == pytest.approx(coarse.expected / 2.0**ORDER, rel=1e-12)
+    assert set(ladder()) == set(estimates(scene()))
 
 
 def test_laws_are_those_of_a_mass_on_a_spring():

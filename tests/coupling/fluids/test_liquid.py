@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from water_tank import GRAVITY, RADIUS, scene
 
+from coupling.fluids import FLUIDS
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
-from coupling.fluids.liquid import flow_of, load_model, start_flow
+from coupling.fluids.openfoam.step import flow_of, start_flow
 from coupling.interface.liquid_shape import level_of_fill_fraction
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -21,12 +22,12 @@ def test_datum_is_zero_on_the_plane_at_the_level():
 
 
 def test_load_model_follows_the_scene():
-    datum = load_model(scene(model={"fluid": "datum"}))
+    datum = FLUIDS["datum"].load_model(scene())
     assert isinstance(datum, Datum)
     # Above the centre: 1/2 + 3h/4 - h^3/4 = 0.8 at h = 0.4257.
     assert datum.level / RADIUS == pytest.approx(0.42570, abs=1e-4)
     for fluid in ("hydrostatic", "openfoam"):
-        model = load_model(scene(model={"fluid": fluid}))
+        model = FLUIDS[fluid].load_model(scene())
         assert isinstance(model, Hydrostatic)
         assert model.volume == pytest.approx(0.8 * 4 / 3 * np.pi * RADIUS**3)
 
@@ -36,7 +37,7 @@ def test_load_model_follows_the_scene():
 def test_flow_holds_the_liquid_below_the_free_part(tmp_path, fill):
     chosen = scene(liquid={"name": "water", "fill_fraction": fill}, openfoam={"cells": 200})
     cloth = diaphragm_of(chosen)
-    settle_diaphragm(cloth, chosen, load_model(chosen).load(GRAVITY))
+    settle_diaphragm(cloth, chosen, FLUIDS["hydrostatic"].load_model(chosen).load(GRAVITY))
     flow, mapping = flow_of(chosen, tmp_path, cloth)
     assert flow.mesh.cells == 176
     start_flow(flow, mapping, chosen, cloth)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from cloth.inertia import kinematics
-from coupling.motion.kinds import SineMotion, TableMotion, motion_of, smooth_ramp
+from coupling.motion.shaking import motion_of
+from coupling.motion.sine import SineMotion, smooth_ramp
+from coupling.motion.table import TableMotion
 from coupling.scene.motion_table import MotionTable, read_motion_table
 from coupling.scene.scene import scene_from
 from coupling.scene.tables.text import TableError

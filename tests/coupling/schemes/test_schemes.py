@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from coupling.schemes import Aitken, FixedPoint, IqnIls, scheme_named
+from coupling.scene.numerics import Coupling
+from coupling.schemes import SCHEMES
+from coupling.schemes.aitken import Aitken
+from coupling.schemes.fixed_point import FixedPoint
+from coupling.schemes.iqn_ils import IqnIls
 
 
 def iterate(scheme, matrix, offset, x, count, tolerance=0.0):
@@ -126,13 +130,14 @@ def test_iqn_ils_forgets_steps_beyond_its_reuse():
     assert len(scheme.save()) == 4  # V and W of two steps
 
 
-@pytest.mark.parametrize("name", ["fixed-point", "aitken", "iqn-ils", "added-mass"])
+@pytest.mark.parametrize("name", SCHEMES)
 def test_restored_scheme_goes_on_bit_for_bit(name):
     matrix, offset = random_problem(5)
-    one, _ = scheme_named(name, relaxation=0.1, reuse=3)
+    settings = Coupling(relaxation=0.1, reuse=3)
+    one = SCHEMES[name].of(settings)
     _, x = iterate(one, matrix, offset, np.zeros(5), 5)
     end_step(one, matrix, offset, x)
-    two, _ = scheme_named(name, relaxation=0.1, reuse=3)
+    two = SCHEMES[name].of(settings)
     two.restore({key: value.copy() for key, value in one.save().items()})
     a = iterate(one, matrix, 3 * offset, np.ones(5), 5)
     b = iterate(two, matrix, 3 * offset, np.ones(5), 5)
@@ -141,11 +146,9 @@ def test_restored_scheme_goes_on_bit_for_bit(name):
 
 
 def test_only_added_mass_is_taken_into_the_structure():
-    names = ("fixed-point", "aitken", "iqn-ils", "added-mass")
-    taken = [scheme_named(name, relaxation=0.1, reuse=1)[1] for name in names]
-    assert taken == [False, False, False, True]
+    assert [name for name in SCHEMES if SCHEMES[name].takes_inertia] == ["added-mass"]
 
 
 def test_unknown_scheme_is_named():
-    with pytest.raises(ValueError, match="newton"):
-        scheme_named("newton", relaxation=0.1, reuse=1)
+    with pytest.raises(KeyError, match=r"coupling scheme 'newton'.*iqn-ils"):
+        SCHEMES["newton"]

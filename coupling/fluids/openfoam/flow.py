@@ -20,7 +20,7 @@ from coupling.finite_volume.gradients import wall_pressure
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.rates import FluxRate
 from coupling.finite_volume.wall import cell_distance, wall_flow
-from coupling.fluids.flow_sample import flow_sample
+from coupling.fluids.openfoam.sample import flow_sample
 from coupling.foam.keepalive import case_of
 from coupling.foam.process import OpenFoam
 from coupling.ports import (

@@ -7,16 +7,23 @@ that the added mass belongs to, and only where the step moves the diaphragm far.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from time import perf_counter
 
 import numpy as np
 
 from cloth.inertia import kinematics
 from coupling.fluids.potential.liquid import PotentialLiquid
-from coupling.ports import Array, HydrostaticLoad, LiquidSample
-from coupling.structure.diaphragm import Diaphragm
+from coupling.fluids.sampled import liquid_metrics
+from coupling.ports import (
+    AnyArray,
+    Array,
+    HydrostaticLoad,
+    IterativeStructure,
+    LiquidSample,
+    StepReport,
+)
 
 SHAPE = 0.01  # rms distance over R of a step's end from its shape, above which it is taken again
 GAIN = 0.02  # of kinetic energy and work together: what time stepping may add in a step
@@ -41,11 +48,17 @@ class PotentialStep:
     liquid gains beyond the sheet's work, and beyond ``GAIN``, is taken out of its potential again.
     """
 
-    def __init__(self, structure: Diaphragm, liquid: PotentialLiquid, *, radius: float) -> None:
+    solver: str | None = None
+    halvable = True
+
+    def __init__(
+        self, structure: IterativeStructure, liquid: PotentialLiquid, *, radius: float
+    ) -> None:
         self.structure, self.liquid = structure, liquid
         self.radius = radius
-        self.wall = 0.0  # seconds spent on the liquid
-        self._shapes, self._residual, self._work = 0, 0.0, 0.0
+        self._seconds = dict.fromkeys(("structure", "fluid"), 0.0)
+        self._shapes, self._residual = 0, 0.0
+        self._samples: list[LiquidSample] = []  # of the parts since the last report
         state = structure.state
         none = np.zeros(len(liquid.ritz.harmonics.degrees))
         still = state.position, np.zeros_like(state.position), none
@@ -56,7 +69,7 @@ class PotentialStep:
         """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError.
 
         A shape missed by more than ``SHAPE`` even the second time is no failure, since the first,
-        extrapolated one is of second order; ``told`` says by how much.
+        extrapolated one is of second order; ``report`` says by how much.
         """
         try:
             self._solve(dt, load)
@@ -79,38 +92,37 @@ class PotentialStep:
         expected = c + (c - before) * (dt / previous if previous > 0.0 else 0.0)
         points = self._in_shell(now["position"] + dt * now["velocity"])
         for last in (False, True):
-            clock = perf_counter()
-            shape = self.liquid.at(points)
-            rows = shape.rows()
-            known = (shape.potential(nodes.velocity_anchor) - anchor) / nodes.b
-            force = shape.force(shape.pressure(known, expected))
-            self.wall += perf_counter() - clock
-            self.structure.begin_step(dt, load, rows)
-            end = self.structure.solve(force)
+            with self._timed("fluid"):
+                shape = self.liquid.at(points)
+                rows = shape.rows()
+                known = (shape.potential(nodes.velocity_anchor) - anchor) / nodes.b
+                force = shape.force(shape.pressure(known, expected))
+            with self._timed("structure"):
+                self.structure.begin_step(dt, load, rows)
+                end = self.structure.solve(force)
             self._shapes += 1
             missed = np.mean(np.sum((end - points) ** 2, axis=1))
             self._residual = float(np.sqrt(missed)) / self.radius
             if last or self._residual <= SHAPE:
                 break
             points = end
-        clock = perf_counter()
-        velocity = nodes.velocity(end)
-        coefficient = shape.potential(velocity)
-        rate = (coefficient - anchor) / nodes.b
-        force = shape.force(shape.pressure(rate, expected))
-        work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
-        energy = shape.kinetic_energy(velocity)
-        gain = energy + work - float(now["energy"][0])
-        excess = min(max(gain - GAIN * (energy + abs(work)), 0.0), MOST * energy)
-        kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
-        self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient, work=work)
-        self._next = {
-            "position": end, "velocity": velocity, "coefficient": kept * coefficient,
-            "previous_position": now["position"], "previous_velocity": now["velocity"],
-            "previous_coefficient": c, "previous_dt": np.array([dt]),
-            "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
-        }  # fmt: skip
-        self.wall += perf_counter() - clock
+        with self._timed("fluid"):
+            velocity = nodes.velocity(end)
+            coefficient = shape.potential(velocity)
+            rate = (coefficient - anchor) / nodes.b
+            force = shape.force(shape.pressure(rate, expected))
+            work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
+            energy = shape.kinetic_energy(velocity)
+            gain = energy + work - float(now["energy"][0])
+            excess = min(max(gain - GAIN * (energy + abs(work)), 0.0), MOST * energy)
+            kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
+            self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient, work=work)
+            self._next = {
+                "position": end, "velocity": velocity, "coefficient": kept * coefficient,
+                "previous_position": now["position"], "previous_velocity": now["velocity"],
+                "previous_coefficient": c, "previous_dt": np.array([dt]),
+                "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
+            }  # fmt: skip
 
     def _forget(self) -> None:
         """Take the potentials of the history in the present shape, before a shorter attempt.
@@ -125,31 +137,59 @@ class PotentialStep:
         distance = np.linalg.norm(points, axis=1, keepdims=True)
         return np.asarray(points * np.minimum(1.0, self.radius / np.maximum(distance, 1e-300)))
 
+    @contextmanager
+    def _timed(self, part: str) -> Iterator[None]:
+        """Add the wall time of what is done to ``part``, also where that fails."""
+        clock = perf_counter()
+        try:
+            yield
+        finally:
+            self._seconds[part] += perf_counter() - clock
+
+    def start(self) -> None:
+        """Nothing is left to do: the liquid is at rest."""
+
     def accept(self) -> None:
         """Commit the last attempt."""
         self.structure.accept_step()
         self._now = self._next
-        self._work += self._sample.pressure_work
+        self._samples.append(self._sample)
 
-    def told(self) -> tuple[LiquidSample, int, float]:
-        """The last accepted step's sample and residual, the shapes tried since this was asked.
+    def report(self) -> StepReport:
+        """Its iterations are the shapes tried.
 
-        The residual is the rms distance over R of the step's end from its shape. The sample's work
-        is that of all steps since this was asked.
+        The residual is the rms distance over R of the last step's end from its shape.
         """
         shapes, self._shapes = self._shapes, 0
-        work, self._work = self._work, 0.0
-        return replace(self._sample, pressure_work=work), shapes, self._residual
+        samples, self._samples = tuple(self._samples), []
+        return StepReport(
+            iterations=shapes, residual=self._residual, converged=True, samples=samples
+        )
 
-    @property
-    def energy_removed(self) -> float:
-        """Energy [J] that time stepping made and that was taken out of the liquid, so far."""
-        return float(self._now["removed"][0])
+    def seconds(self) -> dict[str, float]:
+        """Wall time since this was last asked, by part."""
+        spent, self._seconds = self._seconds, dict.fromkeys(self._seconds, 0.0)
+        return spent
 
-    def save(self) -> dict[str, Array]:
+    def metrics(self, sample: LiquidSample | None) -> dict[str, float]:
+        """The liquid's scalars, and the energy [J] that time stepping made and that was removed."""
+        return liquid_metrics(sample) | {"energy_removed": float(self._now["removed"][0])}
+
+    def to_nodes(self, values: Array) -> Array:
+        """Values on the diaphragm's triangles (m,), averaged to its nodes (n,)."""
+        return np.asarray(self.liquid.to_nodes(self.structure.state.position).dot(values))
+
+    def write_fields(self) -> None:
+        """There are none: the polynomial's coefficients stand in the checkpoint."""
+
+    def save(self) -> dict[str, dict[str, AnyArray]]:
         """Everything ``restore`` needs."""
-        return dict(self._now)
+        return {"coupled": dict(self._now)}
 
-    def restore(self, saved: Mapping[str, Array]) -> None:
+    def restore(self, saved: Mapping[str, Mapping[str, AnyArray]]) -> None:
         """The reverse of ``save``."""
-        self._now = {name: saved[name] for name in _NAMES}
+        self._now = {name: saved["coupled"][name] for name in _NAMES}
+
+    def close(self) -> int | None:
+        """No solver runs."""
+        return None

@@ -1,0 +1,1 @@
+"""The liquid as an incompressible, viscous flow: OpenFOAM on a mesh that follows the diaphragm."""

@@ -1,0 +1,159 @@
+"""The viscous flow as a fluid model: what it needs, costs and says of itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from coupling.finite_volume.mesh import cells_halved, cells_made, half_ball
+from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
+from coupling.fluids.model import (
+    CLOTH_ITERATIONS,
+    CoarserScene,
+    ErrorLaw,
+    FluidModel,
+    Record,
+    inertia_wrong,
+)
+from coupling.ports import IterativeStructure, TimeStep
+from coupling.scene.scene import Scene
+from coupling.schemes import SCHEMES
+
+ORDER = 1.5  # of the error in the cells' width: ``edt verify momentum`` has 1.6 on 540 and 1216
+CELLS, FEWER = 1300, 650  # asked of the mesh in the runs of the error data, and of the coarser one
+
+# CPU seconds on the machine of ``estimate.cost``; a step's with the scheme that takes the inertia
+_SOLVES = 3.0  # of cloth and flow in a step
+_RESTART = 0.09  # of the solver, for every iteration where it does not stay alive
+_ROWS = 120  # what the rows of the flow's inertia add to the cloth's step, in inner iterations
+_CELLS = 1216  # that the next two are for
+_INERTIA, _GROWTH = 0.05, 1.6  # the liquid's inertia by a sparse factor; its growth with the cells
+_FLOW_SOLVES = 0.045  # in a step of _SOLVES
+
+
+class OpenFoamModel(FluidModel):
+    """Incompressible Navier-Stokes on a mesh that follows the diaphragm: the top of the ladder."""
+
+    name = "openfoam"
+    colour, line = "#0072B2", "-"
+    has_flow = True
+    has_viscosity = True
+    error_law = ErrorLaw(law=inertia_wrong)
+    coarser_text = "half the cells"
+    kernels_of = "hydrostatic"
+    instead = "take model.fluid = 'potential', which needs no mesh and no coupling iteration"
+    dissipation_note = (
+        "What the liquid loses beyond that goes into vortices, impacts, mesh and step, which this "
+        "run does not tell apart."
+    )
+    pressure_note = (
+        "The kinetic part is that of the cells at the diaphragm; the unsteady part is the rest of "
+        "p*, with what vorticity does. The viscous stress is the solver’s own."
+    )
+
+    def load_model(self, scene: Scene) -> Hydrostatic:
+        """The part of the pressure that the flow's equations leave out."""
+        return hydrostatic_of(scene)
+
+    def time_step(
+        self, scene: Scene, cloth: IterativeStructure, folder: Path, record: Record
+    ) -> TimeStep:
+        """Diaphragm and flow, solved in turn until they agree."""
+        from coupling.fluids.openfoam.step import OpenFoamStep
+
+        return OpenFoamStep(scene, cloth, folder, record)
+
+    def check_installed(self, scene: Scene, *, start: bool) -> None:
+        """See that OpenFOAM is here; with ``start`` one step of a tiny flow is solved."""
+        chosen = scene.openfoam
+        if start:
+            from coupling.foam.rehearsal import rehearse
+
+            rehearse(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+            return
+        from coupling.foam.installation import check_installed
+
+        check_installed(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
+
+    def installed(self) -> Mapping[str, str]:
+        """Version and program of OpenFOAM, and whether a solver that stays alive was built."""
+        from coupling.foam.installation import OpenFoamMissing, find_openfoam
+
+        try:
+            solver = find_openfoam(keep_alive=True)
+        except OpenFoamMissing as missing:
+            return {self.name: f"not found: {missing}"}
+        return {
+            self.name: f"{solver.version}, {solver.solver}",
+            "solver that stays alive": str(
+                solver.keep_alive
+                or "not built: 'edt build-solver' makes runs with a flow faster, and waves last "
+                "longer"
+            ),
+        }
+
+    def step_cost(self, scene: Scene, iteration: float) -> float:
+        """Of cloth, liquid's inertia and flow; with a scheme without it, of its own iterations.
+
+        With the liquid's inertia half of a step or more is to make it, once: whether it takes two
+        iterations or four changes the step by a quarter, and how many it will be is not asked.
+        """
+        taken = SCHEMES[scene.coupling.scheme]
+        solves = _SOLVES if taken.takes_inertia else taken.typical_iterations
+        size = cells_made(scene.openfoam.cells) / _CELLS
+        flow = solves * (_FLOW_SOLVES / _SOLVES * size + _RESTART * (not _stays_alive(scene)))
+        cloth = iteration * solves * CLOTH_ITERATIONS
+        if not taken.takes_inertia:
+            return float(cloth + flow)
+        return float(cloth + iteration * _ROWS + _INERTIA * size**_GROWTH + flow)
+
+    def cores(self, scene: Scene) -> int:
+        """Processes of the flow solver."""
+        return scene.openfoam.processors
+
+    def error_scale(self, scene: Scene) -> float:
+        """The error of its mesh over that of CELLS."""
+        finer = cells_made(CELLS) / cells_made(scene.openfoam.cells)
+        return float(finer ** (ORDER / 3.0))
+
+    def coarser(self, scene: Scene) -> CoarserScene:
+        """About half the cells, as near as the meshes come to that."""
+        cells = cells_halved(scene.openfoam.cells)
+        section = scene.openfoam.model_copy(update={"cells": cells})
+        fewer = cells_made(scene.openfoam.cells) / cells_made(cells)
+        return CoarserScene(
+            scene=scene.model_copy(update={"openfoam": section}),
+            width=fewer ** (1.0 / 3.0),
+            order=ORDER,
+        )
+
+    def size(self, scene: Scene) -> Mapping[str, int]:
+        """The mesh's cells."""
+        return {"cells of the flow's mesh": cells_made(scene.openfoam.cells)}
+
+    def fields_size(self, scene: Scene) -> float:
+        """Of p, U and points at the times of output.
+
+        What belongs to checkpoints, which keep more of a time, and the files' heads are left out.
+        """
+        if not scene.openfoam.write_fields:
+            return 0.0
+        mesh = half_ball(scene.openfoam.cells)
+        values = mesh.cells + len(mesh.faces) - mesh.inner_faces  # in the cells and on the walls
+        times = -(-scene.time.steps // scene.time.output_every)
+        return 8.0 * times * (4 * values + 3 * len(mesh.points))
+
+
+def grid_error(distance: float) -> float:
+    """Error of a run on CELLS, by Richardson's estimate, one on FEWER being ``distance`` off it."""
+    wider = (cells_made(CELLS) / cells_made(FEWER)) ** (1.0 / 3.0)
+    return float(distance / (wider**ORDER - 1.0))
+
+
+def _stays_alive(scene: Scene) -> bool:
+    from coupling.foam.solver_cache import built_for_any
+
+    return scene.openfoam.keep_alive and built_for_any()
+
+
+OPENFOAM = OpenFoamModel()

@@ -1,0 +1,53 @@
+"""The inviscid liquid as a fluid model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
+from coupling.fluids.model import CLOTH_ITERATIONS, ErrorLaw, FluidModel, Record, inertia_wrong
+from coupling.ports import IterativeStructure, TimeStep
+from coupling.scene.scene import Scene
+
+_OWN = 30  # what the potential adds to a step, in inner iterations of the cloth
+
+
+class PotentialModel(FluidModel):
+    """Potential flow in the true shape: the added mass, no viscosity, no vortices."""
+
+    name = "potential"
+    colour, line = "#009E73", "-."
+    has_flow = True
+    error_law = ErrorLaw(law=inertia_wrong)
+    dissipation_note = (
+        "This model’s liquid has no viscosity: it loses energy in impacts and to the step."
+    )
+    pressure_note = "Exact for the harmonic polynomials that this model’s potential is made of."
+
+    def load_model(self, scene: Scene) -> Hydrostatic:
+        """The part of the pressure that needs no flow."""
+        return hydrostatic_of(scene)
+
+    def time_step(
+        self, scene: Scene, cloth: IterativeStructure, folder: Path, record: Record
+    ) -> TimeStep:
+        """Diaphragm and liquid as one system, without coupling iterations."""
+        from coupling.fluids.potential.liquid import PotentialLiquid
+        from coupling.fluids.potential.step import PotentialStep
+
+        del folder, record
+        liquid = PotentialLiquid(
+            cloth.triangles,
+            len(cloth.reference),
+            radius=scene.tank.radius,
+            degree=scene.potential.degree,
+            density=scene.liquid.density,
+        )
+        return PotentialStep(cloth, liquid, radius=scene.tank.radius)
+
+    def step_cost(self, scene: Scene, iteration: float) -> float:
+        """That of the cloth and a share that grows with its nodes likewise."""
+        return iteration * (CLOTH_ITERATIONS + _OWN)
+
+
+POTENTIAL = PotentialModel()

@@ -1,0 +1,77 @@
+"""What a scene chooses by name from lists that stand with what is chosen, as plug-ins do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, Protocol
+
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+from coupling.registry import registry_at
+
+if TYPE_CHECKING:
+    from coupling.scene.sections import Motion
+
+AUTO = "auto"  # the fluid model that is taken by the scene's own numbers
+
+
+class MotionKind(Protocol):
+    """What a scene asks of a kind of motion (the list is ``coupling.motion.MOTIONS``)."""
+
+    needs: tuple[str, ...]  # keys of the section that have to be given
+    reads_file: bool  # whether ``motion.file`` is its data
+
+    def problems(self, section: Motion, end: float) -> list[str]:
+        """One line ``key: what is wrong. Mend.`` each, of a run that ends at ``end`` [s]."""
+
+    def frequency(self, section: Motion) -> float | None:
+        """Of a periodic motion [Hz], None of any other."""
+
+
+def motion_kinds() -> tuple[str, ...]:
+    """Names of all kinds of motion."""
+    return registry_at("coupling.motion:MOTIONS").names
+
+
+def motion_kind(name: str) -> MotionKind:
+    """The kind of motion called ``name``."""
+    kind: MotionKind = registry_at("coupling.motion:MOTIONS")[name]
+    return kind
+
+
+def fluid_models() -> tuple[str, ...]:
+    """Names of all fluid models, the simplest first."""
+    return registry_at("coupling.fluids:FLUIDS").names
+
+
+def keeps_volume(fluid: str) -> bool:
+    """Whether the fluid model ``fluid`` keeps the liquid's volume; AUTO takes one that does."""
+    return fluid == AUTO or bool(registry_at("coupling.fluids:FLUIDS")[fluid].keeps_volume)
+
+
+def best_fluid_model() -> str:
+    """The one that leaves out least."""
+    return fluid_models()[-1]
+
+
+def schemes() -> tuple[str, ...]:
+    """Names of all coupling schemes."""
+    return registry_at("coupling.schemes:SCHEMES").names
+
+
+def best_scheme() -> str:
+    """The one that a run is advised to take."""
+    return schemes()[0]
+
+
+def one_of(names: Callable[[], Iterable[str]], *more: str) -> BeforeValidator:
+    """Validator of a key that takes one of ``names()`` or ``more``; ``errors`` has its message."""
+
+    def check(value: Any) -> Any:
+        known = (*names(), *more)
+        if value not in known:
+            raise PydanticCustomError("unknown_choice", "", {"choices": known})
+        return value
+
+    return BeforeValidator(check)
