@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from coupling.run import interrupts
+from coupling.simulation import interrupts
 
 
 @pytest.fixture(autouse=True)

@@ -17,8 +17,8 @@ from coupling.estimate.model_errors import choose, ladder
 from coupling.metrics.comparison import common_instants
 from coupling.motion.shaking import driving_frequency, moves
 from coupling.ports import Array
-from coupling.run.driver import Progress, resume, run
 from coupling.scene.scene import Scene, load_scene
+from coupling.simulation.driver import Progress, resume, run
 from coupling.store.atomic import read_json, write_json
 from coupling.store.results import read_results
 

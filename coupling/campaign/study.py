@@ -21,11 +21,11 @@ from coupling.campaign.study_plan import (
 from coupling.campaign.study_record import StudyRecord
 from coupling.ports import RunFailed
 from coupling.report import write_report
-from coupling.run.driver import resume, run
-from coupling.run.warm_up import warm_up
 from coupling.scene.content import content_in, content_of
 from coupling.scene.errors import SceneError
 from coupling.scene.scene import Scene
+from coupling.simulation.driver import resume, run
+from coupling.simulation.warm_up import warm_up
 from coupling.store.atomic import UnreadableFile, write_json
 from coupling.store.folder_lock import held
 from coupling.store.run_folder import clear_run

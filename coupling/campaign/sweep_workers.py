@@ -24,8 +24,8 @@ from distributed.scheduler import KilledWorker
 from coupling.campaign.study import run_or_reuse
 from coupling.campaign.sweep_plan import SweepError
 from coupling.fluids import FLUIDS
-from coupling.run.driver import run
 from coupling.scene.scene import Scene, with_overrides
+from coupling.simulation.driver import run
 
 _SETTINGS = {
     "distributed.scheduler.worker-saturation": 1.0,  # runs are long: none waits at a busy worker

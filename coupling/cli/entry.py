@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coupling.run.interrupts import exit_at_once
+from coupling.simulation.interrupts import exit_at_once
 
 
 def main() -> None:

@@ -16,13 +16,13 @@ from coupling.campaign.sweep_plan import SweepError
 from coupling.cli.json_output import one_object, print_failure
 from coupling.foam.installation import OpenFoamMissing
 from coupling.ports import RunFailed
-from coupling.run.interrupts import (
+from coupling.scene.scene import SceneError
+from coupling.simulation.interrupts import (
     STATUS,
     exit_at_once,
     raise_interrupt,
     wrapped_interrupts_raised,
 )  # fmt: skip
-from coupling.scene.scene import SceneError
 from coupling.store.atomic import UnreadableFile
 from coupling.store.folder_lock import FolderError
 from coupling.verify import CaseError

@@ -93,7 +93,7 @@ def run(
         typer.echo(f"auto takes {choice.fluid}: {choice.reason}", err=True)
         check_installed(scene, [choice.fluid])
     else:
-        from coupling.run.driver import run as run_scene
+        from coupling.simulation.driver import run as run_scene
 
         check_installed(scene, [scene.model.fluid])
     folder = output or default_folder(scene_path)
@@ -126,7 +126,7 @@ def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJs
         if auto:
             from coupling.campaign.auto import resume_auto as resume_run
         else:
-            from coupling.run.driver import resume as resume_run
+            from coupling.simulation.driver import resume as resume_run
 
         with resumable(folder), RunProgress() as progress:
             summary = resume_run(folder, progress=progress)

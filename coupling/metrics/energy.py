@@ -31,7 +31,7 @@ def rest(metrics: dict[str, Array]) -> Array:
 
 
 def energy_summary(results: Results, frequency: float | None, periods: int) -> dict[str, Any]:
-    """Energies [J] of a run, from the balance that ``coupling.run.energy`` sums over every step.
+    """Energies [J] of a run, from the balance that ``simulation.energy`` sums over every step.
 
     ``work_J`` and ``dissipated_J`` since the start; ``peak_J``: the largest mechanical energy above
     the start's, of liquid and sheet. ``per_period``: means over the last ``periods`` of

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from coupling.ports import RunFailed
-from coupling.run.driver import run
 from coupling.scene.scene import Scene, scene_from
+from coupling.simulation.driver import run
 from coupling.store.results import Results, read_results
 
 RADIUS, DENSITY, FILL_FRACTION = 0.4445, 1000.0, 0.8

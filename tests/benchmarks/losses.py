@@ -25,8 +25,8 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from coupling.metrics.energy import SHARES, rest
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene
+from coupling.simulation.driver import run
 from coupling.store.results import read_results
 
 CASES = Path(__file__).parents[2] / "foam_cases"

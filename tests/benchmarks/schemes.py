@@ -22,8 +22,8 @@ from typing import Any
 
 sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
 
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene
+from coupling.simulation.driver import run
 
 SCENE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"
 SCHEMES = ("added-mass", "iqn-ils", "aitken", "fixed-point")

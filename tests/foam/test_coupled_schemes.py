@@ -5,8 +5,8 @@ import pytest
 
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.ports import StepFailed
-from coupling.run.driver import run
 from coupling.scene.scene import scene_from
+from coupling.simulation.driver import run
 from coupling.step.surrogate import surrogate_iterate
 from coupling.store.iteration_log import read_iterations
 from coupling.store.results import read_results

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from coupling.fluids.gauge import largest_rate
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene
+from coupling.simulation.driver import run
 from coupling.store.results import read_results
 
 CASE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"

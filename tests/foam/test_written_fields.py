@@ -9,8 +9,8 @@ import pytest
 from coupling.fluids.openfoam.model import OPENFOAM
 from coupling.foam.case import Case
 from coupling.foam.fields import read_cells
-from coupling.run.driver import resume, run
 from coupling.scene.scene import load_scene
+from coupling.simulation.driver import resume, run
 from coupling.store.results import read_results
 
 pytestmark = pytest.mark.openfoam

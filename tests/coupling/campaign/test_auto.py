@@ -7,8 +7,8 @@ import pytest
 
 from coupling.campaign.auto import FILE, path_error, resume_auto, run_auto
 from coupling.estimate.model_errors import choose
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene, scene_from
+from coupling.simulation.driver import run
 
 SCENE = {
     "tank": {"radius": 0.4445},

@@ -279,7 +279,7 @@ def test_a_later_point_without_its_solver_starts_nothing(
 
 def test_no_verb_but_a_sweep_that_runs_imports_dask() -> None:
     code = (
-        "import sys, coupling.cli.main, coupling.run.driver;"
+        "import sys, coupling.cli.main, coupling.simulation.driver;"
         "import coupling.campaign.study, coupling.campaign.sweep;"
         "print([name for name in sys.modules if name.split('.')[0] in ('dask', 'distributed')])"
     )

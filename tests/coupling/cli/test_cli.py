@@ -77,7 +77,7 @@ def driver(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
         return run(None, folder, progress=progress)
 
     fake = SimpleNamespace(run=run, resume=resume, calls=calls)
-    monkeypatch.setitem(sys.modules, "coupling.run.driver", fake)
+    monkeypatch.setitem(sys.modules, "coupling.simulation.driver", fake)
     return fake
 
 
@@ -179,7 +179,7 @@ import sys, time, types
 def run(scene, folder, *, progress=None):
     print("started", flush=True)
     time.sleep(60)
-sys.modules["coupling.run.driver"] = types.SimpleNamespace(run=run)
+sys.modules["coupling.simulation.driver"] = types.SimpleNamespace(run=run)
 from coupling.cli.main import main
 sys.argv = ["edt", "run", "half_full"]
 main()

@@ -8,8 +8,8 @@ from time import process_time
 import pytest
 
 from coupling.estimate.cost import run_cost, run_time, slowness, step_cost
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene
+from coupling.simulation.driver import run
 
 CASES = Path(__file__).parents[3] / "foam_cases"
 # Case, changes, seconds of settling, milliseconds a step: the mean over the run, or over the time

@@ -9,8 +9,8 @@ import pytest
 
 from coupling.estimate.strength import burst_warning, stress_estimate
 from coupling.ports import RunFailed
-from coupling.run.tally import Tally
 from coupling.scene.scene import Scene, scene_from
+from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
 from coupling.step.substeps import advance
 from coupling.structure.diaphragm import diaphragm_of

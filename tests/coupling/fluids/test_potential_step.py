@@ -9,8 +9,8 @@ from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.fluids.potential.model import POTENTIAL
 from coupling.fluids.potential.step import GAIN
 from coupling.motion.shaking import motion_of
-from coupling.run.driver import resume, run
 from coupling.scene.scene import Scene, scene_from
+from coupling.simulation.driver import resume, run
 from coupling.step.substeps import advance
 from coupling.store.results import read_results
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm

@@ -12,7 +12,7 @@ from coupling.metrics.gravity_centre import neglected_momentum, neglected_moment
 from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_periods
 from coupling.metrics.transfer import tank_phasor, transfer
 from coupling.metrics.viscosity import stokes_layer
-from coupling.run.sampling import NodePressures, split_metrics
+from coupling.simulation.sampling import NodePressures, split_metrics
 
 ROUNDING = 1e-12
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_records import G, scene, written
 
-from coupling.run.driver import run
+from coupling.simulation.driver import run
 from coupling.store.results import read_results
 
 

@@ -21,8 +21,8 @@ from typer.testing import CliRunner
 from cloth.state import Memory
 from coupling.campaign.study import run_or_reuse
 from coupling.cli.main import app
-from coupling.run.energy import Instant
 from coupling.scene.scene import load_scene
+from coupling.simulation.energy import Instant
 from coupling.store import checkpoint
 from coupling.store.folder_lock import FolderError, held
 from coupling.store.run_record import RunStatistics

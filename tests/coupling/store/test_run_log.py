@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 from small_scene import SMALL
 
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene
+from coupling.simulation.driver import run
 
 SCENE = f"""\
 {SMALL}ramp = 0.0

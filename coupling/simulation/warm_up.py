@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from coupling.fluids import FLUIDS
-from coupling.run.driver import run
 from coupling.scene.scene import Scene
+from coupling.simulation.driver import run
 
 STEPS, RINGS, SETTLE = 5, 6, 0.1
 

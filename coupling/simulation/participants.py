@@ -15,10 +15,10 @@ from coupling.fluids import FLUIDS
 from coupling.fluids.model import Record
 from coupling.motion.shaking import motion_of
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
-from coupling.run.energy import Instant, instant_of
-from coupling.run.sampling import at_nodes, sample_at, still
-from coupling.run.tally import Tally
 from coupling.scene.scene import Scene
+from coupling.simulation.energy import Instant, instant_of
+from coupling.simulation.sampling import at_nodes, sample_at, still
+from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
 from coupling.step.substeps import HALVINGS, advance
 from coupling.store.run_record import Sample

@@ -10,9 +10,9 @@ import pytest
 from cloth.energy import SheetEnergy
 from cloth.flat import strip
 from coupling.ports import HydrostaticLoad, RunFailed
-from coupling.run.driver import run
-from coupling.run.energy import EnergyBalance, Instant, Stored, layer_factor
 from coupling.scene.scene import scene_from
+from coupling.simulation.driver import run
+from coupling.simulation.energy import EnergyBalance, Instant, Stored, layer_factor
 from coupling.store.results import read_results
 from coupling.verify.hanging import GRAVITY, chain_root, film_settings
 from coupling.verify.mirrored import MirroredCloth

@@ -9,8 +9,8 @@ import pytest
 
 from coupling.metrics.strains import quantile
 from coupling.ports import RunFailed, StepFailed
-from coupling.run.participants import Participants
-from coupling.run.tally import Tally
+from coupling.simulation.participants import Participants
+from coupling.simulation.tally import Tally
 
 
 @dataclass
@@ -61,7 +61,7 @@ def test_the_time_of_a_step_that_fails_is_not_the_rest(monkeypatch, tmp_path):
     scene = run.scene()
     model = scene.model.model_copy(update={"fluid": "hydrostatic"})
     sides = Participants(scene.model_copy(update={"model": model}), tmp_path)
-    monkeypatch.setattr("coupling.run.participants.advance", fails)
+    monkeypatch.setattr("coupling.simulation.participants.advance", fails)
     with pytest.raises(StepFailed):
         sides.advance(0.0, 0.02)
     assert sides.tally.statistics.wall_by_part["structure"] >= 0.02

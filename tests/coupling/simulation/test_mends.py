@@ -7,8 +7,8 @@ from known_run import scene as known_scene
 
 from coupling.foam.process import ended
 from coupling.ports import Cause, RunFailed, StepFailed
-from coupling.run.mends import with_mend
 from coupling.scene.scene import Scene, with_overrides
+from coupling.simulation.mends import with_mend
 from coupling.step.divergence import diverged
 
 

@@ -15,12 +15,12 @@ from coupling.estimate.strength import burst_warning
 from coupling.metrics.summary import summarise
 from coupling.motion.record_summary import record_summary
 from coupling.ports import AT_REST, RunFailed, StepReport
-from coupling.run.energy import EnergyBalance, stored_in
-from coupling.run.interrupts import raise_lost_interrupt, wrapped_interrupts_raised
-from coupling.run.mends import with_mend
-from coupling.run.participants import Participants
 from coupling.scene.content import content_of
 from coupling.scene.scene import SCENE_FILE, Scene, load_scene
+from coupling.simulation.energy import EnergyBalance, stored_in
+from coupling.simulation.interrupts import raise_lost_interrupt, wrapped_interrupts_raised
+from coupling.simulation.mends import with_mend
+from coupling.simulation.participants import Participants
 from coupling.store.atomic import write_json
 from coupling.store.iteration_log import IterationLog
 from coupling.store.results import ResultsWriter, read_results

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coupling.run.driver import run
 from coupling.scene.scene import scene_from
+from coupling.simulation.driver import run
 from coupling.store.results import read_results
 
 THICKNESS, MODULUS, FREQUENCY, AMPLITUDE, STEP = 0.004 * 0.4445, 8.6e6, 1.25, 0.1, 0.01

@@ -9,8 +9,8 @@ import numpy as np
 
 from coupling.metrics.strains import spread
 from coupling.ports import Array, DiaphragmState, RunFailed, StepReport
-from coupling.run.mends import better_scheme, said
 from coupling.scene.scene import Scene
+from coupling.simulation.mends import better_scheme, said
 from coupling.store.run_record import RunStatistics
 
 _log = logging.getLogger(__name__)

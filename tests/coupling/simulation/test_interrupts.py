@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from small_scene import SMALL
 
-from coupling.run import interrupts
+from coupling.simulation import interrupts
 
 SCENE = f"""\
 {SMALL}[model]
@@ -29,7 +29,7 @@ step = 0.01
 checkpoint_every = 5
 """
 EDT = """
-from coupling.run.interrupts import exit_at_once
+from coupling.simulation.interrupts import exit_at_once
 exit_at_once()
 print("ready", flush=True)
 from coupling.cli.entry import main
