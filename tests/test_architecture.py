@@ -112,8 +112,8 @@ def test_no_module_imports_itself_in_a_circle():
 def test_the_walk_sees_imports_at_all():
     assert "coupling.scene.scene" in set(imported("coupling.motion.shaking"))
     assert "cloth.material" in set(imported("coupling.scene.diaphragm"))
-    assert "coupling.simulation.driver" in set(imported("coupling.cli.main"))  # inside a function
-    assert "coupling.simulation.driver" not in set(imported("coupling.cli.main", at_import=True))
+    assert "coupling.simulation.driver" in set(imported("coupling.api.runs"))  # inside a function
+    assert "coupling.simulation.driver" not in set(imported("coupling.api.runs", at_import=True))
 
 
 def test_only_one_module_compiles():

@@ -8,31 +8,22 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
+from importlib import import_module
 from typing import NoReturn, ParamSpec, cast
 
 import typer
 
-from coupling.campaign.sweep_plan import SweepError
 from coupling.cli.json_output import one_object, print_failure
-from coupling.foam.installation import OpenFoamMissing
-from coupling.ports import RunFailed
-from coupling.scene.scene import SceneError
 from coupling.simulation.interrupts import (
     STATUS,
     exit_at_once,
     raise_interrupt,
     wrapped_interrupts_raised,
-)  # fmt: skip
-from coupling.store.atomic import UnreadableFile
-from coupling.store.folder_lock import FolderError
-from coupling.verify import CaseError
+)
 
 P = ParamSpec("P")
 # The base of all that is wrong with a command line itself; typer names no other of them.
 USAGE_ERROR = cast(type[typer.BadParameter], typer.BadParameter.__base__)
-_WRONG_INPUT = (
-    SceneError, SweepError, FolderError, CaseError, OpenFoamMissing, UnreadableFile,
-)  # fmt: skip
 
 
 class ExitStatus(IntEnum):
@@ -52,30 +43,61 @@ def stop(message: str, status: ExitStatus) -> NoReturn:
     raise typer.Exit(status)
 
 
-def guarded(verb: Callable[P, None]) -> Callable[P, None]:
-    """A verb whose expected failures become one message and an exit status."""
+def guarded(*modules: str) -> Callable[[Callable[P, None]], Callable[P, None]]:
+    """Make a verb whose expected failures become one message and an exit status.
 
-    @functools.wraps(verb)
-    def guard(*args: P.args, **kwargs: P.kwargs) -> None:
-        with one_object(wanted=kwargs.get("as_json") is True):
-            checked(*args, **kwargs)
+    ``modules``: those that the verb works with. They are imported when it is called, so that the
+    others start without them, and before interrupts are raised: an interrupt within an import,
+    above all of compiled modules, may come out as another error.
+    """
 
-    def checked(*args: P.args, **kwargs: P.kwargs) -> None:
-        raise_interrupt()
-        try:
-            with wrapped_interrupts_raised():
-                verb(*args, **kwargs)
-        except _WRONG_INPUT as error:
-            stop(str(error), ExitStatus.WRONG_INPUT)
-        except RunFailed as error:
-            stop(str(error), ExitStatus.FAILED)
-        except OSError as error:
-            where = f"{error.filename}: " if error.filename else ""
-            stop(f"{where}{error.strerror or error}", ExitStatus.FAILED)
-        except KeyboardInterrupt:
-            stop("interrupted", ExitStatus.INTERRUPTED)
+    def guard(verb: Callable[P, None]) -> Callable[P, None]:
+        @functools.wraps(verb)
+        def called(*args: P.args, **kwargs: P.kwargs) -> None:
+            with one_object(wanted=kwargs.get("as_json") is True):
+                for module in modules:
+                    import_module(module)
+                _checked(verb, *args, **kwargs)
+
+        return called
 
     return guard
+
+
+def _checked(verb: Callable[P, None], *args: P.args, **kwargs: P.kwargs) -> None:
+    raise_interrupt()
+    try:
+        with wrapped_interrupts_raised():
+            verb(*args, **kwargs)
+    except typer.Exit:
+        raise
+    except KeyboardInterrupt:
+        stop("interrupted", ExitStatus.INTERRUPTED)
+    except _wrong_input() as error:
+        stop(str(error), ExitStatus.WRONG_INPUT)
+    except _failure() as error:
+        stop(str(error), ExitStatus.FAILED)
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        stop(f"{where}{error.strerror or error}", ExitStatus.FAILED)
+
+
+def _wrong_input() -> tuple[type[Exception], ...]:
+    """What is raised before anything starts; imported when a verb has failed, as it takes long."""
+    from coupling.campaign.sweep_plan import SweepError
+    from coupling.foam.installation import OpenFoamMissing
+    from coupling.scene.errors import SceneError
+    from coupling.store.atomic import UnreadableFile
+    from coupling.store.folder_lock import FolderError
+    from coupling.verify.case import CaseError
+
+    return SceneError, SweepError, FolderError, CaseError, OpenFoamMissing, UnreadableFile
+
+
+def _failure() -> type[Exception]:
+    from coupling.ports import RunFailed
+
+    return RunFailed
 
 
 def run_app(app: typer.Typer) -> NoReturn:

@@ -1,11 +1,11 @@
-"""What the verbs of the command line share: arguments, options, and checks before a start."""
+"""What the verbs of the command line share: arguments, options, and how to go on."""
 
 from __future__ import annotations
 
 import os
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -13,8 +13,6 @@ from typing import Annotated
 import typer
 
 from coupling.cli.exit_status import ExitStatus, stop
-from coupling.fluids import FLUIDS
-from coupling.scene.scene import Scene
 
 ScenePath = Annotated[
     Path, typer.Argument(metavar="SCENE", help="Folder with scene.toml, or a scene file.")
@@ -31,20 +29,10 @@ Force = Annotated[bool, typer.Option("--force", help="Replace the run that the f
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
-def check_installed(scene: Scene, models: Sequence[str], *, start: bool = True) -> None:
-    """See that what ``models`` need works before anything starts.
-
-    With ``start`` false their programs are only looked for.
-    """
-    for name in models:
-        if name in FLUIDS:  # not "auto", which takes one later
-            FLUIDS[name].check_installed(scene, start=start)
-
-
 def _allow_command(allowed: bool) -> None:
-    from coupling.foam.installation import ALLOW_COMMAND
-
     if allowed:
+        from coupling.foam.installation import ALLOW_COMMAND
+
         os.environ[ALLOW_COMMAND] = "1"  # worker processes inherit it
 
 
@@ -59,16 +47,9 @@ AllowCommand = Annotated[
 ]
 
 
-def chosen_models(listed: str) -> tuple[str, ...]:
-    """Two or more different fluid models from a list with commas; else the verb ends."""
-    chosen = tuple(name.strip() for name in listed.split(","))
-    unknown = [name for name in chosen if name not in FLUIDS]
-    if unknown or len(set(chosen)) < max(2, len(chosen)):
-        stop(
-            f"--models: must be two or more different ones of {', '.join(FLUIDS)}, got '{listed}'.",
-            ExitStatus.WRONG_INPUT,
-        )
-    return chosen
+def names(listed: str) -> tuple[str, ...]:
+    """The names in a list with commas."""
+    return tuple(name.strip() for name in listed.split(","))
 
 
 @contextmanager
@@ -77,8 +58,11 @@ def resumable(folder: Path, again: str = "") -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        if not again:
-            again = f"edt resume {shlex.quote(str(folder))}"
+        from coupling.store.run_folder import holds_run
+
+        if not again and not holds_run(folder):
+            raise  # nothing has begun
+        again = again or f"edt resume {shlex.quote(str(folder))}"
         stop(
             f"{folder}: interrupted; what was computed is kept. Go on with: {again}",
             ExitStatus.INTERRUPTED,

@@ -37,16 +37,6 @@ class RunProgress:
         self._last_line = 0.0
 
     def __enter__(self) -> Self:
-        if self._console.is_terminal:
-            self._bar = Progress(
-                TextColumn("{task.description}", markup=False),
-                BarColumn(),
-                TextColumn("{task.fields[text]}", markup=False),
-                TimeElapsedColumn(),
-                TimeRemainingColumn(),
-                console=self._console,
-            )
-            self._bar.start()
         return self
 
     def __exit__(
@@ -67,16 +57,23 @@ class RunProgress:
             self._show(stage, done, total, text)
 
     def _show(self, stage: str, done: float, total: float, text: str) -> None:
-        if self._bar is None:
+        if self._console.is_terminal:
+            self._advance(stage, done, total, text)
+        else:
             self._line(stage, done, total, text)
-        elif self._task is None or stage != self._stage:
+        self._stage = stage
+
+    def _advance(self, stage: str, done: float, total: float, text: str) -> None:
+        if self._bar is None:  # not before: where nothing is computed there is none
+            self._bar = _bar(self._console)
+            self._bar.start()
+        if self._task is None or stage != self._stage:
             if self._task is not None and self._bar.tasks[self._task].total is None:
                 self._bar.update(self._task, total=1.0, completed=1.0)  # else it looks unfinished
             self._task = self._bar.add_task(stage, total=total or None, text=text)
             self._bar.update(self._task, completed=done)
         else:
             self._bar.update(self._task, total=total or None, completed=done, text=text)
-        self._stage = stage
 
     def _line(self, stage: str, done: float, total: float, text: str) -> None:
         now = time.monotonic()
@@ -84,3 +81,14 @@ class RunProgress:
             return
         self._last_line = now
         self._console.print(f"{stage}: {text}", highlight=False, markup=False, soft_wrap=True)
+
+
+def _bar(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.fields[text]}", markup=False),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=console,
+    )

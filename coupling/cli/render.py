@@ -8,13 +8,12 @@ from typing import Annotated
 import typer
 
 from coupling.cli.exit_status import ExitStatus, guarded, stop
-from coupling.store.run_folder import check_reportable
 
 PICTURES = frozenset({".pdf", ".png", ".svg"})
 DEFAULT = "period.mp4"
 
 
-@guarded
+@guarded("coupling.report", "coupling.store.results")
 def render(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
     output: Annotated[
@@ -28,12 +27,13 @@ def render(
     ] = None,
 ) -> None:
     """Show a run's last period: the diaphragm and its pressure, moving or at three instants."""
+    from coupling.report import VIDEOS, render_picture, render_video
+    from coupling.store.results import read_results
+    from coupling.store.run_folder import check_reportable
+
     check_reportable(folder)
     if not (folder / "results.h5").is_file():
         stop(f"{folder}: is no run. Give the folder of one.", ExitStatus.WRONG_INPUT)
-    from coupling.report import VIDEOS, render_picture, render_video
-    from coupling.store.results import read_results
-
     path = output or folder / DEFAULT
     if path.suffix not in VIDEOS | PICTURES:
         known = ", ".join(sorted(VIDEOS | PICTURES))

@@ -6,8 +6,6 @@ from typing import Annotated
 
 import typer
 
-from coupling.campaign.same_plan import check_same_plan
-from coupling.campaign.study_plan import planned_runs, study_rows
 from coupling.cli.exit_status import guarded
 from coupling.cli.json_output import print_json
 from coupling.cli.options import (
@@ -18,27 +16,18 @@ from coupling.cli.options import (
     Output,
     ScenePath,
     again,
-    check_installed,
-    chosen_models,
+    names,
     resumable,
 )
-from coupling.cli.progress import RunProgress
-from coupling.cli.tables import print_study
-from coupling.fluids import FLUIDS
-from coupling.scene.scene import load_scene, tables_of
-from coupling.scene.source import scene_file
-from coupling.store.folder_lock import held
-from coupling.store.run_folder import check_scene_outside, default_folder, prepare_folder
-
-STUDY_RUNS = ("*", "discretisation/*/*")
 
 
-@guarded
+@guarded("coupling.api.studies", "coupling.cli.tables", "coupling.cli.progress")
 def study(
     scene_path: ScenePath,
     models: Annotated[
-        str, typer.Option("--models", help="Fluid models, separated by commas.")
-    ] = ",".join(FLUIDS),
+        str | None,
+        typer.Option("--models", help="Fluid models, separated by commas; all if not given."),
+    ] = None,
     quick: Annotated[
         bool,
         typer.Option(
@@ -54,21 +43,23 @@ def study(
     as_json: AsJson = False,
 ) -> None:
     """Run one scene on several fluid models: errors against the best, speed against error."""
-    chosen = chosen_models(models)
-    scene = load_scene(scene_path, changes or ())
-    planned = planned_runs(scene, chosen, quick=quick)
-    check_installed(scene, chosen)
-    folder = output or default_folder(scene_path, "-study")
-    files = frozenset({"study.json", "report.html", "discretisation", *study_rows()})
-    check_scene_outside(folder, [scene_file(scene_path), *tables_of(scene).values()], files)
-    with held(folder):
-        prepare_folder(folder, force=force, study=files)
-        check_same_plan(folder, planned, STUDY_RUNS, force=force)
-        from coupling.campaign.study import run_study
+    from coupling import study as run_study
+    from coupling.cli.progress import RunProgress
+    from coupling.cli.tables import print_study
+    from coupling.store.run_folder import default_folder
 
-        with resumable(folder, again()), RunProgress() as progress:
-            outcome = run_study(scene, chosen, folder, quick=quick, progress=progress)
+    folder = output or default_folder(scene_path, "-study")
+    with resumable(folder, again()), RunProgress() as progress:
+        done = run_study(
+            scene_path,
+            None if models is None else names(models),
+            folder,
+            quick=quick,
+            changes=changes or (),
+            force=force,
+            progress=progress,
+        )
     if as_json:
-        print_json(outcome)
+        print_json(done.table)
     else:
-        print_study(outcome, folder)
+        print_study(done.table, folder)

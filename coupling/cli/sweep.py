@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from coupling.campaign.same_plan import check_same_plan
-from coupling.campaign.sweep_plan import Plan, parse_axis, plan_sweep
-from coupling.cli.exit_status import guarded
+from coupling.cli.exit_status import ExitStatus, guarded, stop
 from coupling.cli.json_output import print_json
 from coupling.cli.options import (
     AllowCommand,
@@ -20,22 +17,15 @@ from coupling.cli.options import (
     Output,
     ScenePath,
     again,
-    check_installed,
-    chosen_models,
+    names,
     resumable,
 )
-from coupling.cli.progress import RunProgress
-from coupling.cli.tables import figure, print_table
-from coupling.ports import RunFailed
-from coupling.scene.scene import tables_of
-from coupling.scene.source import scene_file
-from coupling.store.folder_lock import held
-from coupling.store.run_folder import check_scene_outside, default_folder, prepare_folder
 
-SWEEP_FILES = frozenset({"sweep.json", "sweep.csv", "report.html", "points"})
+if TYPE_CHECKING:
+    from coupling import Sweep
 
 
-@guarded
+@guarded("coupling.api.sweeps", "coupling.cli.tables", "coupling.cli.progress")
 def sweep(
     scene_path: ScenePath,
     over: Annotated[
@@ -73,36 +63,40 @@ def sweep(
     The same command goes on with a sweep that was stopped: what is complete is not run again.
     A model that fails at a point is a row with its reason.
     """
-    chosen = chosen_models(models)
-    plan = plan_sweep(scene_path, changes or (), [parse_axis(text) for text in over], chosen)
-    for point in plan.points:
-        for model, scene in point.scenes.items():
-            check_installed(scene, [model])
+    from coupling import sweep as run_sweep
+    from coupling.cli.progress import RunProgress
+    from coupling.store.run_folder import default_folder
+
     folder = output or default_folder(scene_path, "-sweep")
-    runs = plan.runs
-    files = {path for scene in runs.values() for path in tables_of(scene).values()}
-    check_scene_outside(folder, [scene_file(scene_path), *files], SWEEP_FILES)
-    with held(folder):
-        prepare_folder(folder, force=force, study=SWEEP_FILES)
-        check_same_plan(folder, runs, ("points/*/*",), force=force)
-        from coupling.campaign.sweep import run_sweep
-
-        with resumable(folder, again()), RunProgress(unit="runs") as progress:
-            outcome = run_sweep(
-                plan, folder, workers=workers, scheduler=scheduler, progress=progress
-            )
+    with resumable(folder, again()), RunProgress(unit="runs") as progress:
+        done = run_sweep(
+            scene_path,
+            over,
+            names(models),
+            folder,
+            changes=changes or (),
+            force=force,
+            workers=workers,
+            scheduler=scheduler,
+            progress=progress,
+        )
     if as_json:
-        print_json(outcome)
+        print_json(done.table)
     else:
-        _print(plan, outcome, folder)
-    if not any(row["reference"] for row in outcome["rows"]):
-        raise RunFailed(f"{folder}: no run completed. The first: {outcome['rows'][0]['failure']}")
+        _print(done, folder)
+    rows = done.table["rows"]
+    if not any(row["reference"] for row in rows):
+        first = rows[0]["failure"]
+        stop(f"{folder}: no run completed. The first: {first}", ExitStatus.FAILED)
 
 
-def _print(plan: Plan, outcome: Mapping[str, Any], folder: Path) -> None:
+def _print(done: Sweep, folder: Path) -> None:
     """One row a point: values, f/f1, errors of the lesser models; failures below."""
-    lesser = [name for name in plan.models if name != outcome["reference"]]
-    keys = [axis.key for axis in plan.axes]
+    from coupling.cli.tables import figure, print_table
+
+    outcome = done.table
+    lesser = [name for name in outcome["models"] if name != outcome["reference"]]
+    keys = [axis["key"] for axis in outcome["axes"]]
     rows = []
     for row in outcome["rows"]:
         errors = [row["models"][name]["error"] for name in lesser]
@@ -118,7 +112,6 @@ def _print(plan: Plan, outcome: Mapping[str, Any], folder: Path) -> None:
     heads = [f"{name} {what}" for what in ("CG", "shape") for name in lesser]
     title = f"errors against {outcome['reference']}, in {folder}"
     print_table(title, (*keys, "f/f1", *heads, ""), rows)
-    for row in outcome["rows"]:
-        if row["failure"]:
-            print(f"{row['point']}: {row['failure']}")
+    for point, failure in done.failures.items():
+        print(f"{point}: {failure}")
     print(f"report: {folder / 'report.html'}")

@@ -9,11 +9,10 @@ import typer
 from coupling.cli.exit_status import ExitStatus, guarded, stop
 from coupling.cli.json_output import print_json
 from coupling.cli.options import AsJson
-from coupling.cli.tables import print_verify
 from coupling.verify import CASES, beyond, option_pairs, run_all, run_case
 
 
-@guarded
+@guarded("coupling.cli.tables", "coupling.ports")
 def verify(
     ctx: typer.Context,
     case: Annotated[
@@ -41,6 +40,8 @@ def verify(
         cases = [result.to_dict() for result in results]
         print_json((cases[0] if case else {"cases": cases, "failures": failures}) | judged)
     else:
+        from coupling.cli.tables import print_verify
+
         print_verify(results, failures)
     reasons = failures | far
     if reasons:

@@ -11,7 +11,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import eigh, solve
 from threadpoolctl import threadpool_limits
 
 from coupling.ports import Array
@@ -29,8 +28,11 @@ def lateral_eigenvalue(level: float, mode: int, *, degree: int = DEGREE) -> floa
     """
     with threadpool_limits(1):
         stiffness, mass = _forms(level, degree, degree // 2)
-        # Heights on the surface alone: 1/lambda are the largest eigenvalues of M over K.
-        value = eigh(mass, stiffness, eigvals_only=True)
+        # Heights on the surface alone: 1/lambda are the largest eigenvalues of M over K. With
+        # K = L L^T, as LAPACK has it; NumPy does, and SciPy takes long to import.
+        root = np.linalg.cholesky(stiffness)
+        reduced = np.linalg.solve(root, np.linalg.solve(root, mass).T)
+        value = np.linalg.eigvalsh(0.5 * (reduced + reduced.T))
     return float(1 / value[-mode])
 
 
@@ -64,6 +66,8 @@ def surface_inertia(level: float, node: Array, weight: Array, heights: Array) ->
     from the axis over the surface's radius, ``weight`` (q,): of a quadrature over it, of degree
     2 ``DEGREE`` at least. Heights that are much shorter than pi R/``DEGREE`` are not resolved.
     """
+    from scipy.linalg import solve
+
     stiffness, _ = _forms(level, DEGREE, DEGREE // 2)
     surface = _basis(node, np.zeros_like(node), DEGREE, DEGREE // 2)[0]
     square = 1.0 - (level - 1.0) ** 2

@@ -7,7 +7,6 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from coupling.ports import Array
 from coupling.scene.tables.columns import ACCELERATION, TIME, Column
@@ -60,6 +59,8 @@ class MotionTable:
     @cached_property
     def _spectrum(self) -> tuple[Array, Array]:
         """Frequencies (m,) [Hz] and the power (m,) up to each, of all axes, the mean left out."""
+        from scipy.fft import next_fast_len  # takes long to import, and few scenes need it
+
         count = max(len(self.time) - 1, 64)
         even = np.linspace(self.time[0], self.time[-1], count, endpoint=False)
         signal = np.stack([np.interp(even, self.time, part) for part in self.acceleration.T])

@@ -23,7 +23,7 @@ from coupling.scene.errors import SceneError, problems_of
 from coupling.scene.numerics import Cloth, Coupling, OpenFoam, Potential, Time
 from coupling.scene.periods import in_seconds
 from coupling.scene.sections import Liquid, Model, Motion, Section, Tank, Vector
-from coupling.scene.source import SCENE_FILE, apply_override, read_toml, scene_file
+from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
 
 __all__ = [
     "SCENE_FILE",
@@ -97,17 +97,30 @@ class Scene(Section):
         return self
 
 
-def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:
+def load_scene(path: str | Path, overrides: Sequence[str] | Mapping[str, Any] = ()) -> Scene:
     """Read ``scene.toml`` from a folder, or the scene file ``path`` itself.
 
-    ``overrides`` are ``key=value`` with dotted keys; the value is TOML, or else a string. Files
-    named by ``motion.file`` and ``diaphragm.thickness_map`` are looked for beside the scene.
+    Parameters
+    ----------
+    path : str or Path
+        The folder or the file. Files named by ``motion.file`` and ``diaphragm.thickness_map`` are
+        looked for beside the scene.
+    overrides : Sequence of str or Mapping
+        ``key=value`` with dotted keys, the value TOML or else a string; or values by dotted key.
 
-    Raises ``SceneError`` with every problem found, each with its file, key, value and mend.
+    Returns
+    -------
+    Scene
+        Valid, with every default filled in; it cannot be changed.
+
+    Raises
+    ------
+    SceneError
+        Every problem found, each with its file, key, value and mend.
     """
-    file = scene_file(path)
+    file = scene_file(Path(path))
     data = read_toml(file)
-    changed = [apply_override(data, text) for text in overrides]
+    changed = [apply_override(data, text) for text in as_texts(overrides)]
     for section, key in TABLE_FILES:
         values = data.get(section)
         if isinstance(values, dict) and isinstance(values.get(key), str):
@@ -131,13 +144,13 @@ def scene_from(data: Mapping[str, Any], where: str = "scene", changed: Sequence[
         raise SceneError(lines) from error
 
 
-def with_overrides(scene: Scene, overrides: Sequence[str]) -> Scene:
-    """The same scene with ``key=value`` changes, checked again.
+def with_overrides(scene: Scene, overrides: Sequence[str] | Mapping[str, Any]) -> Scene:
+    """The same scene with changes as ``load_scene`` takes them, checked again.
 
     Raises ``SceneError``.
     """
     data = plain_values(scene)
-    changed = [apply_override(data, text) for text in overrides]
+    changed = [apply_override(data, text) for text in as_texts(overrides)]
     return scene_from(data, changed=changed)
 
 

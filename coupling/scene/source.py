@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,3 +76,15 @@ def apply_override(data: dict[str, Any], text: str) -> str:
         table.pop(replaced, None)
     table[keys[-1]] = parsed
     return dotted
+
+
+def as_texts(changes: Sequence[str] | Mapping[str, Any]) -> list[str]:
+    """Changes of a scene as ``key=value``, also where they are values by dotted key."""
+    if not isinstance(changes, Mapping):
+        return list(changes)
+    return [f"{key}={json.dumps(value, default=_plain)}" for key, value in changes.items()]
+
+
+def _plain(value: Any) -> Any:
+    """A path as text, an array or a number of NumPy's as Python has it."""
+    return str(value) if isinstance(value, Path) else value.tolist()

@@ -11,6 +11,7 @@ import time as clock
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -20,6 +21,9 @@ from coupling.store import results_layout as layout
 from coupling.store import xdmf
 from coupling.store.atomic import H5_ERRORS, UnreadableFile, replacing, write_text
 from coupling.store.run_record import Sample
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FILE = "results.h5"
 XDMF_FILE = "results.xdmf"
@@ -62,6 +66,18 @@ class Results:
     residual: Array
     metrics: dict[str, Array]
     metric_units: dict[str, str]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of every array by its name, metrics included; "-" where it has none."""
+        fields = dict(layout.FIELDS.values())
+        return {"triangles": "-", "reference": "m", **fields, **self.metric_units}
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return all arrays as a dataset over time, node, triangle and axis, with their units."""
+        from coupling.store.results_dataset import dataset_of
+
+        return dataset_of(self)
 
 
 def read_results(folder: Path | str) -> Results:

@@ -33,6 +33,14 @@ FIELDS = {
     "coupling/iterations": ("iterations", "-"),
     "coupling/residual": ("residual", "-"),
 }
+_DIMS: dict[str, tuple[str, ...]] = {
+    "position": ("node", "axis"),
+    **dict.fromkeys(("pressure", "dynamic_pressure", "shell_slip", "self_slip"), ("node",)),
+    **dict.fromkeys(("strain", "tension"), ("triangle",)),
+    **dict.fromkeys(
+        ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment"), ("axis",)
+    ),
+}
 # fmt: off
 METRIC_UNITS = {
     "speed_max": "m/s",
@@ -70,17 +78,15 @@ def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles
     _dataset(file, "diaphragm/triangles", np.asarray(triangles, np.int64), "-")
     _dataset(file, "diaphragm/reference", np.asarray(reference, float), "m")
     file.create_group("metrics")
+    sizes = {"node": len(reference), "triangle": len(triangles), "axis": 3}
     for dataset, (name, unit) in FIELDS.items():
-        shape = _row_shape(name, len(reference), len(triangles))
+        shape = tuple(sizes[dimension] for dimension in dims_of(name))
         _growing(file, dataset, shape, unit, integer=name == "iterations")
 
 
-def _row_shape(name: str, nodes: int, triangles: int) -> tuple[int, ...]:
-    special = {"position": (nodes, 3), "strain": (triangles,), "tension": (triangles,)}
-    at_nodes = ("pressure", "dynamic_pressure", "shell_slip", "self_slip")
-    special |= dict.fromkeys(at_nodes, (nodes,))
-    vectors = ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment")
-    return special.get(name, (3,) if name in vectors else ())
+def dims_of(name: str) -> tuple[str, ...]:
+    """Dimensions of a field's row by the field's name in ``Results``, those beside time."""
+    return _DIMS.get(name, ())
 
 
 def _dataset(file: Any, name: str, values: Any, unit: str) -> None:

@@ -153,6 +153,11 @@ def _remove(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
+def holds_run(folder: Path) -> bool:
+    """Whether a run has begun in ``folder``."""
+    return folder.is_dir() and not _RUN_MARKERS.isdisjoint(_held(folder))
+
+
 def check_resumable(folder: Path) -> None:
     """``FolderError`` unless ``folder`` holds a run, which may have been stopped at any moment."""
     _check_exists(folder)
