@@ -26,6 +26,12 @@ Changes = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change the scene; may be repeated."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace the run that the folder holds.")]
+Report = Annotated[
+    bool,
+    typer.Option(
+        "--report/--no-report", help="Write report.html as well; `edt report DIR` does it later."
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 

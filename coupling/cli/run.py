@@ -16,6 +16,7 @@ from coupling.cli.options import (
     Changes,
     Force,
     Output,
+    Report,
     RunFolder,
     ScenePath,
     resumable,
@@ -35,6 +36,7 @@ def run(
     changes: Changes = None,
     allow_command: AllowCommand = False,
     force: Force = False,
+    report: Report = True,
     as_json: AsJson = False,
 ) -> None:
     """Settle the diaphragm, then shake the tank. Results go to runs/NAME unless -o says other."""
@@ -54,18 +56,23 @@ def run(
         folder,
         as_json,
         lambda progress: run_scene(
-            scene_path, folder, changes=changes or (), force=force, report=True, progress=progress
+            scene_path, folder, changes=changes or (), force=force, report=report, progress=progress
         ),
     )
 
 
 @guarded(*_WORKS_WITH, "coupling.simulation.driver", "coupling.store.resumption")
-def resume(folder: RunFolder, allow_command: AllowCommand = False, as_json: AsJson = False) -> None:
+def resume(
+    folder: RunFolder,
+    allow_command: AllowCommand = False,
+    report: Report = True,
+    as_json: AsJson = False,
+) -> None:
     """Go on from the last checkpoint, with the results of a run that never stopped."""
     from coupling import resume as resume_run
 
     done = _show(
-        folder, as_json, lambda progress: resume_run(folder, report=True, progress=progress)
+        folder, as_json, lambda progress: resume_run(folder, report=report, progress=progress)
     )
     if done.was_complete:
         typer.echo(
