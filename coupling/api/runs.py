@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from coupling.api.start import Changes, Progress, files_of, folder_for, check_installed, scene_of
+from coupling.api.start import Changes, Progress, check_installed, files_of, folder_for, scene_of
 from coupling.ports import RunFailed
 from coupling.scene.choices import AUTO
 from coupling.scene.scene import Scene, load_scene

@@ -14,10 +14,10 @@ from coupling.api.runs import Run
 from coupling.api.start import (
     Changes,
     Progress,
+    check_installed,
     chosen_models,
     files_of,
     folder_for,
-    check_installed,
     scene_of,
 )
 from coupling.api.units import dataset_along, unit_of_figure

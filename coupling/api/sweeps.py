@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coupling.api.runs import Run
-from coupling.api.start import Changes, Progress, chosen_models, folder_for, check_installed
+from coupling.api.start import Changes, Progress, check_installed, chosen_models, folder_for
 from coupling.api.units import dataset_along
 from coupling.campaign.same_plan import check_same_plan
 from coupling.campaign.sweep_plan import POINTS, Axis, parse_axis, plan_sweep
+from coupling.fluids import ASSUMED, FLUIDS
 from coupling.ports import AnyArray
 from coupling.scene.reference import unit_of_key
 from coupling.scene.scene import tables_of
@@ -102,7 +103,7 @@ def _figures(row: Mapping[str, Any]) -> dict[str, Any]:
 def sweep(
     scene: str | Path,
     over: Mapping[str, Sequence[Any] | AnyArray] | Sequence[str],
-    models: Sequence[str] = ("hydrostatic", "potential"),
+    models: Sequence[str] | None = None,
     out: str | Path | None = None,
     *,
     changes: Changes = (),
@@ -125,8 +126,8 @@ def sweep(
     over : Mapping or Sequence of str
         Values by dotted key, or ``key=start:stop:count``, ``key=start:stop:count:log`` and
         ``key=a,b,c`` as on the command line. All combinations are run.
-    models : Sequence of str
-        Two or more fluid models.
+    models : Sequence of str, optional
+        Two or more fluid models; hydrostatics and the next better one if left out.
     out : str or Path, optional
         Folder of the results; ``runs/NAME-sweep`` after the scene's file if left out.
     workers : int, optional
@@ -147,7 +148,7 @@ def sweep(
         needed and does not work: nothing was started. A run that fails is part of a row with its
         reason, and among the ``failures``.
     """
-    chosen = chosen_models(models)
+    chosen = chosen_models(_assumed_and_next() if models is None else models)
     plan = plan_sweep(Path(scene), as_texts(changes), _axes(over), chosen)
     for point in plan.points:
         for model, one in point.scenes.items():
@@ -162,6 +163,11 @@ def sweep(
 
         table = run_sweep(plan, folder, workers=workers, scheduler=scheduler, progress=progress)
     return Sweep(folder=folder, table=table)
+
+
+def _assumed_and_next() -> tuple[str, ...]:
+    rank = FLUIDS.rank(ASSUMED)
+    return FLUIDS.names[rank : rank + 2]
 
 
 def _axes(over: Mapping[str, Sequence[Any] | AnyArray] | Sequence[str]) -> list[Axis]:

@@ -38,8 +38,12 @@ def sweep(
         ),
     ],
     models: Annotated[
-        str, typer.Option("--models", help="Fluid models, separated by commas.")
-    ] = "hydrostatic,potential",
+        str | None,
+        typer.Option(
+            "--models",
+            help="Fluid models, separated by commas; hydrostatics and the next if not given.",
+        ),
+    ] = None,
     output: Output = None,
     changes: Changes = None,
     allow_command: AllowCommand = False,
@@ -72,7 +76,7 @@ def sweep(
         done = run_sweep(
             scene_path,
             over,
-            names(models),
+            None if models is None else names(models),
             folder,
             changes=changes or (),
             force=force,

@@ -9,9 +9,9 @@ from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 import annotated_types
-from pydantic import BaseModel
+from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
+from pydantic_core import PydanticCustomError, PydanticUndefined
 
 from coupling.scene.scene import Scene
 
@@ -84,7 +84,7 @@ def _key(section: str, name: str, field: FieldInfo) -> Key:
     said = field.description or ""
     units = _UNIT.findall(said)
     one = len(units) == 1
-    value, extra = field.default, field.json_schema_extra
+    value, extra = field.get_default(call_default_factory=True), field.json_schema_extra
     instead = extra.get("instead", "") if isinstance(extra, dict) else ""
     return Key(
         section=section,
@@ -104,6 +104,9 @@ def _values(field: FieldInfo) -> str:
         kind = next(part for part in get_args(kind) if part is not type(None))
     if get_origin(kind) is Literal:
         return ", ".join(_toml(value) for value in get_args(kind))
+    listed = [name for data in field.metadata for name in _choices(data)]
+    if listed:
+        return ", ".join(map(_toml, listed))
     bounds = [
         text.format(_toml(getattr(bound, name)))
         for bound in field.metadata
@@ -111,6 +114,18 @@ def _values(field: FieldInfo) -> str:
         if isinstance(bound, family)
     ]
     return " ".join([_KINDS.get(kind, str(kind)), *([", ".join(bounds)] if bounds else [])])
+
+
+def _choices(check: Any) -> tuple[str, ...]:
+    """The names that ``choices.one_of`` takes, as its refusal lists them."""
+    if not isinstance(check, BeforeValidator):
+        return ()
+    refuse: Any = check.func
+    try:
+        refuse("")
+    except PydanticCustomError as error:
+        return tuple((error.context or {}).get("choices", ()))
+    return ()
 
 
 def _toml(value: Any) -> str:

@@ -323,9 +323,9 @@ def test_verify_prints_a_case_as_json_and_as_a_table():
 
 def test_verify_without_a_case_runs_all_and_exits_1_when_one_fails(monkeypatch):
     for name in set(CASES) - {"eq46", "numbers"}:
-        monkeypatch.delitem(CASES, name)
+        monkeypatch.delitem(CASES._places, name)
     assert edt("verify").exit_code == 0
-    monkeypatch.setitem(CASES, "lost", "coupling.verify.no_such_module:lost")
+    monkeypatch.setitem(CASES._places, "lost", "coupling.verify.no_such_module:lost")
     result = edt("verify", "--json")
     assert result.exit_code == 1
     values = json.loads(result.stdout)
