@@ -1,4 +1,4 @@
-"""Where compiled functions are kept on disk, and how a file that was damaged is told.
+"""Where compiled functions are kept on disk, and how a damaged file is recognised.
 
 Numba unpickles what it finds and runs the machine code in it: an emptied file ends the program,
 and one with other bytes may do anything. Here every file starts with the digest of the rest; one

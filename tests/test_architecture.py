@@ -164,6 +164,43 @@ def test_no_fluid_model_is_named_outside_of_the_fluids():
     assert found <= OTHER_MEANINGS, sorted(found - OTHER_MEANINGS)
 
 
+CALLED_FROM_OUTSIDE = {
+    "setup",  # by Dask, of a worker's plug-in
+    "crossing_pairs",  # by whoever judges a sheet: whether parts of it are in each other
+    "membrane_stiffness",  # exact answers are made of it
+    "fill_fraction_of_level",  # the inverse that the level is held against
+}
+
+
+def test_every_public_function_is_used():
+    """By the packages or the cases; a definition that only a test calls is of no use to a run.
+
+    But for the plain references that compiled kernels are held against.
+    """
+    used: set[str] = set()
+    defined: dict[str, str] = {}
+    for file in (*FILES.values(), *(ROOT / "foam_cases").rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Name):
+                used.add(node.id)
+            elif isinstance(node, ast.Attribute):
+                used.add(node.attr)
+            elif isinstance(node, ast.ImportFrom):
+                used |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                used.add(node.value.rpartition(":")[2])  # an entry of a list
+        if "reference" in file.stem:
+            continue
+        for owner in (tree, *(node for node in tree.body if isinstance(node, ast.ClassDef))):
+            for node in owner.body:
+                kinds = (ast.FunctionDef, ast.ClassDef)
+                if isinstance(node, kinds) and not node.name.startswith("_"):
+                    defined[node.name] = f"{file.relative_to(ROOT)}: {node.name}"
+    unused = [place for name, place in defined.items() if name not in used | CALLED_FROM_OUTSIDE]
+    assert not unused, "\n".join(unused)
+
+
 def test_steps_are_not_asked_for_their_kind():
     steps = {"DryStep", "PotentialStep", "OpenFoamStep", "CoupledStep"}
     for name, file in FILES.items():

@@ -20,8 +20,9 @@ def near_boxes(lower: Array, upper: Array) -> Ints:
 def crossing_kernel(x: Array, triangles: Ints, pairs: Ints, least: float) -> Ints:
     """Those ``pairs`` (k, 2) of triangles that share no node, an edge of one piercing the other.
 
-    A piercing is told by five volumes, each times six beyond ``least`` [m^3]: of the triangle with
-    either end of the edge, opposite in sign, and of the edge with the three sides, alike in sign.
+    A piercing is recognised by five volumes, each times six beyond ``least`` [m^3]: of the triangle
+    with either end of the edge, opposite in sign, and of the edge with the three sides, alike in
+    sign.
     """
 
     def volume(*nodes: int) -> float:

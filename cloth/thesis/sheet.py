@@ -199,7 +199,7 @@ class ThesisSheet:
         return SheetEnergy(kinetic=0.5 * float(self.mass @ speed))
 
     def losses(self) -> SheetLosses:
-        """None that are told apart."""
+        """None: the two are not kept apart."""
         return SheetLosses()
 
     def save(self) -> dict[str, Array]:

@@ -41,15 +41,15 @@ def run_sweep(
 
     Raises ``SweepError`` where no cluster answers, ``RunFailed`` where ``folder`` is not writable.
     """
-    told = progress or (lambda *_: None)
+    report = progress or (lambda *_: None)
     record = _Record(plan, Path(folder).resolve())
     total = len(plan.points) * len(plan.models)
     waiting = record.take_finished()
     if waiting:
-        told("sweep", total - len(waiting), total, "starting the workers")
+        report("sweep", total - len(waiting), total, "starting the workers")
     for point, model, summary in _outcomes(plan, waiting, record.folder, workers, scheduler):
         record.add(point, model, summary)
-        told("sweep", record.runs, total, f"{point.name}: {model} {summary.get('status')}")
+        report("sweep", record.runs, total, f"{point.name}: {model} {summary.get('status')}")
     content = record.write()
     write_report(record.folder)
     return content

@@ -209,8 +209,8 @@ def _told(problems: dict[str, str], keys: Sequence[str]) -> list[str]:
     lines = []
     for problem, where in problems.items():
         of_axis = any(problem.startswith(f"--set: {key}:") for key in keys)
-        told = problem.replace("--set", "--over", 1) if of_axis else problem
-        lines.append(f"{told} (At {where}.)")
+        message = problem.replace("--set", "--over", 1) if of_axis else problem
+        lines.append(f"{message} (At {where}.)")
     more = len(lines) - MOST_PROBLEMS
     return lines if more <= 0 else [*lines[:MOST_PROBLEMS], f"... and {more} problems more."]
 

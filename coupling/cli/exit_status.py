@@ -1,4 +1,4 @@
-"""What the command's exit status says, and how a failure is told to a person."""
+"""What the command's exit status says, and how a failure is reported."""
 
 from __future__ import annotations
 

@@ -1,25 +1,41 @@
 """The command line: ``edt VERB``. Verbs check their input, call one function and print a table.
 
+A verb is one file, and one line in ``VERBS``.
+
 The modules of the verbs import what they work with only when they are called: to list the verbs
 takes neither NumPy nor the scene's checks.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.metadata import version
 from typing import Annotated
 
 import typer
 
-from coupling.cli.check import check
-from coupling.cli.environment import build_solver, info
-from coupling.cli.exit_status import guarded, run_app
-from coupling.cli.options import RunFolder
-from coupling.cli.render import render
-from coupling.cli.run import resume, run
-from coupling.cli.study import study
-from coupling.cli.sweep import sweep
-from coupling.cli.verify import verify
+from coupling.cli.exit_status import run_app
+from coupling.registry import Registry
+
+# in the order of the help
+VERBS: Registry[Callable[..., None]] = Registry(
+    "verb",
+    {
+        "run": "coupling.cli.run:run",
+        "resume": "coupling.cli.run:resume",
+        "study": "coupling.cli.study:study",
+        "sweep": "coupling.cli.sweep:sweep",
+        "report": "coupling.cli.report:report",
+        "render": "coupling.cli.render:render",
+        "check": "coupling.cli.check:check",
+        "verify": "coupling.cli.verify:verify",
+        "build-solver": "coupling.cli.environment:build_solver",
+        "info": "coupling.cli.environment:info",
+    },
+)
+
+# a verification case has options of its own
+SETTINGS = {"verify": {"allow_extra_args": True, "ignore_unknown_options": True}}
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -44,21 +60,8 @@ def edt(
     """Fluid-structure interaction of spherical elastomeric diaphragm tanks."""
 
 
-@guarded("coupling.report")
-def report(folder: RunFolder) -> None:
-    """Build report.html again from the files of a run, a study or a sweep."""
-    from coupling.report import write_report
-    from coupling.store.run_folder import check_reportable
-
-    check_reportable(folder)
-    typer.echo(write_report(folder))
-
-
-for verb in (run, resume, study, sweep, report, render, check):
-    app.command()(verb)
-app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(verify)
-app.command()(build_solver)
-app.command()(info)
+for name, verb in VERBS.items():
+    app.command(name, context_settings=SETTINGS.get(name))(verb)
 
 
 def main() -> None:

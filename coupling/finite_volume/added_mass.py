@@ -7,7 +7,7 @@ under-estimate of any short wave would diverge. Only what ``skewCorrected`` adds
 of non-orthogonal fluxes is left out, half a per cent: it would take a third layer of neighbours.
 OpenFOAM's answer on the wall is not quite symmetric, by 1 per cent of its norm on a bent mesh; the
 structure takes the symmetric part, and the rest is iterated. Where the walls' library has not been
-built, OpenFOAM lacks the walls' own pressure that is reckoned with here, by some per cent.
+built, OpenFOAM lacks the walls' own pressure that is computed here, by some per cent.
 """
 
 from __future__ import annotations

@@ -96,8 +96,8 @@ def _by_compiler(place: Path, openfoam: OpenFoam, say: Callable[[str], None]) ->
 
 def _library_folder(openfoam: OpenFoam) -> Path:
     """Where the libraries are that the stock solver loads."""
-    told = subprocess.run(["ldd", str(openfoam.solver)], capture_output=True, text=True).stdout
-    found = re.search(r"libfiniteVolume\S* => (\S+)", told)
+    listed = subprocess.run(["ldd", str(openfoam.solver)], capture_output=True, text=True).stdout
+    found = re.search(r"libfiniteVolume\S* => (\S+)", listed)
     if found is None:
         raise BuildFailed(
             f"{openfoam.solver}: does not load libfiniteVolume.so. Is it OpenFOAM's own pimpleFoam?"

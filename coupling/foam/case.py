@@ -226,7 +226,7 @@ class Case:
         return packed
 
     def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
-        """The reverse of ``pack``; other entries of ``saved`` are let be.
+        """The reverse of ``pack``; other entries of ``saved`` are left alone.
 
         Raises ``OpenFoamFailed`` where they are those of another number of processors, or ask for
         the walls' library where it has not been built.

@@ -54,8 +54,10 @@ class NoHeaders(RunFailed):
 def source_package(program: Path) -> tuple[str, str]:
     """Name and version of the source package that ``program`` comes from."""
     owner = _asked("dpkg-query", "--search", str(program.resolve())).partition(":")[0]
-    told = _asked("dpkg-query", "--show", "--showformat=${source:Package} ${source:Version}", owner)
-    name, _, version = told.partition(" ")
+    answer = _asked(
+        "dpkg-query", "--show", "--showformat=${source:Package} ${source:Version}", owner
+    )
+    name, _, version = answer.partition(" ")
     return name, version
 
 
@@ -84,11 +86,11 @@ def fetch(name: str, version: str, say: Callable[[str], None]) -> Path:
             (place / part).mkdir(parents=True)
         (place / "apt.conf").write_text(_SETTINGS.format(place=place), encoding="utf-8")
         _write_sources(place / "sources")
-        told = _apt(place, "update")
-        told += _apt(place, "--download-only", "source", f"{name}={version}")
+        output = _apt(place, "update")
+        output += _apt(place, "--download-only", "source", f"{name}={version}")
         found = sorted((place / "files").glob(f"{name}_{upstream}.orig.tar.*"))
         if not found:
-            tail = "\n".join(f"    {line}" for line in told.splitlines()[-12:])
+            tail = "\n".join(f"    {line}" for line in output.splitlines()[-12:])
             raise NoHeaders(
                 f"apt-get source {name}={version}: nothing came. Is there a network, and has the "
                 f"package source in {APT} this version? Or put {name}_{upstream}.orig.tar.bz2 into "

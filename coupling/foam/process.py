@@ -113,15 +113,15 @@ def scratch_folder() -> Path:
 
 
 def _open_mpi() -> dict[str, str]:
-    """What Open MPI needs told; other kinds of MPI do not read it."""
-    told = {
+    """Environment that Open MPI needs; other kinds of MPI do not read it."""
+    settings = {
         "OMPI_MCA_rmaps_base_oversubscribe": "1",  # more processors than it counts
         "OMPI_MCA_hwloc_base_binding_policy": "none",  # two runs would share a core
         "OMPI_MCA_mpi_yield_when_idle": "1",  # the diaphragm's solver wants one too
     }
     if os.geteuid() == 0:  # in a container
-        told |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    return told
+        settings |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    return settings
 
 
 # util-linux: the solver dies with us, also when we are killed, and leaves no late files.

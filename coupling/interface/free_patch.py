@@ -179,7 +179,7 @@ class FreePatch:
         return {"contact": self._search.smooth.save()}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; other entries are let be."""
+        """The reverse of ``save``; other entries are left alone."""
         self._search.smooth.restore(saved["contact"])
 
     def _let_lift(self, nodes: Array, points: Array, shell: Array) -> None:

@@ -44,7 +44,7 @@ class InterfaceMap(Protocol):
         """Everything ``restore`` needs."""
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; other entries are let be."""
+        """The reverse of ``save``; other entries are left alone."""
 
 
 class Matching:

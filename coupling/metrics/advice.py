@@ -33,7 +33,7 @@ def verdict(reference: str | None, rows: Mapping[str, Row], bars: Errors) -> str
     if bar is not None and amplitude < bar:
         return (
             f"Hydrostatics errs by {_percent(amplitude)} in the CG amplitude, which is within the "
-            f"{_percent(bar)} that {reference} itself may err by: no difference can be told."
+            f"{_percent(bar)} that {reference} itself may err by: no difference can be resolved."
         )
     said = f"Hydrostatics errs by {_with_bar(amplitude, bar)} in the CG amplitude"
     phase, bar = errors.get("cg_phase_deg"), bars.get("cg_phase_deg")
@@ -47,10 +47,10 @@ def verdict(reference: str | None, rows: Mapping[str, Row], bars: Errors) -> str
 def advice(reference: str | None, rows: Mapping[str, Row], bars: Errors | None = None) -> str:
     """The fastest of the study's ladder that is within 5 % of ``reference`` in every figure.
 
-    Within counts the error bar. Where none is, the fastest that cannot be told from the reference:
-    each of its errors is below 5 % or below the bar. The phase is left out: it is an angle, and
-    follows the amplitudes. The thesis' algorithm and what only changes the diaphragm are not
-    advised.
+    Within counts the error bar. Where none is, the fastest that the bars do not separate from the
+    reference: each of its errors is below 5 % or below the bar. The phase is left out: it is an
+    angle, and follows the amplitudes. The thesis' algorithm and what only changes the diaphragm are
+    not advised.
     """
     bars = bars or {}
     if reference is None:
@@ -91,23 +91,23 @@ def _within(reference: str, rows: Mapping[str, Row], others: _Known, bars: Error
 
 
 def _alike(reference: str, rows: Mapping[str, Row], others: _Known, bars: Errors) -> str:
-    """On the fastest that the bars do not tell from the reference, if any."""
-    alike = [name for name, errors in others.items() if not _told(errors, bars)]
+    """On the fastest that the bars do not separate from the reference, if any."""
+    alike = [name for name, errors in others.items() if not _resolved(errors, bars)]
     if not alike:
         return ""
     name = _fastest(alike, rows)
     figure, error = _worst(others[name])
     return (
-        f"Use {name}: it cannot be told from {reference} within the error bars (worst: "
+        f"Use {name}: the error bars do not separate it from {reference} (worst: "
         f"{_with_bar(error, bars.get(figure))} in {_WORDS[figure]}), and is {_speed(rows[name])}. "
         f"Whether it is within {_percent(ENOUGH)} takes a finer {reference} to say."
     )
 
 
 def _too_far(reference: str, others: _Known, bars: Errors) -> str:
-    told = {name: _told(errors, bars) for name, errors in others.items()}
-    name = min(told, key=lambda key: _worst(told[key])[1])
-    figure, error = _worst(told[name])
+    resolved = {name: _resolved(errors, bars) for name, errors in others.items()}
+    name = min(resolved, key=lambda key: _worst(resolved[key])[1])
+    figure, error = _worst(resolved[name])
     return (
         f"Use {reference}. The best of the others, {name}, errs by "
         f"{_with_bar(error, bars.get(figure))} in {_WORDS[figure]}, above the "
@@ -115,7 +115,7 @@ def _too_far(reference: str, others: _Known, bars: Errors) -> str:
     )
 
 
-def _told(errors: Mapping[str, float], bars: Errors) -> dict[str, float]:
+def _resolved(errors: Mapping[str, float], bars: Errors) -> dict[str, float]:
     """The errors above what is asked for that the reference's own cannot explain."""
     return {
         figure: error

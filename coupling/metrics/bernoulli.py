@@ -73,7 +73,7 @@ def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str,
     them. ``unsteady``: p* less its kinetic part -rho |u|^2/2, which of an inviscid liquid is
     -rho dphi/dt exactly, and otherwise holds what vorticity does as well. ``viscous``: the size of
     the viscous stress on the diaphragm, which acts on it besides. None where the model has no flow,
-    or the results are of a version that did not tell.
+    or the results do not hold it.
     """
     whole = _over_time(metrics.get("hydrostatic_pressure_rms"))
     names = {"dynamic": "dynamic_pressure_rms"} | PARTS

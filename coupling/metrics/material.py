@@ -17,7 +17,7 @@ def material_interpolation(moulded: Array, triangles: Ints, places: Array) -> cs
 
     ``moulded`` (n, 3) [m], nodes of a hemisphere about the origin, closed up to its rim;
     ``triangles`` (m, 3); ``places`` (k, 3) [m] on the hemisphere. Either may be moulded above the
-    equator or below it, as the thesis' grid is: a material point is told by its azimuth and its
+    equator or below it, as the thesis' grid is: a material point is given by its azimuth and its
     angle from the pole.
 
     Linear in the triangle that the place's radius meets, which is exact for fields linear in

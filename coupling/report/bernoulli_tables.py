@@ -63,7 +63,7 @@ _PARTS = {
 
 
 def split_table(run: RunFiles) -> Table | None:
-    """The parts of p* against the hydrostatic pressure; None where nothing flows or is told."""
+    """The parts of p* against the hydrostatic pressure; None where the results hold no p*."""
     pressure, layer = run.summary.get("pressure"), run.summary.get("boundary_layer")
     if not pressure or not layer or pressure["dynamic_rms_Pa"] is None:
         return None

@@ -110,7 +110,7 @@ def front_figure(points: Sequence[Point], reference: str, name: str, bar: float 
     text = (
         f"Speed against error in {COLUMNS[name]}: lower and further left is better; the line joins "
         "those that no other beats. Grey: within the reference’s own error, where no difference "
-        f"can be told; {reference} as run stands at its edge."
+        f"can be resolved; {reference} as run stands at its edge."
     )
     return Picture(source=svg(figure), caption=text, alt=text)
 

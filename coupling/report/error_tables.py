@@ -54,7 +54,7 @@ def _note(study: Mapping[str, Any]) -> str:
             "openfoam is the reference, the rows have the same diaphragm, and ± knows nothing of "
             "its mesh. "
         )
-    note += "≈ marks an error below that, where no difference between the models can be told."
+    note += "≈ marks an error below that, where no difference between the models is resolved."
     if any(row.get("against_same_model") for row in study["models"].values()):
         note += (
             " The diaphragm that stretches by its own compliance, or does not, is held against "

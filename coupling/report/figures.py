@@ -70,8 +70,8 @@ def pressure_figure(run: RunFiles) -> Picture:
 def node_pressure_figure(run: RunFiles) -> Picture:
     """Both pressures at the node where p* is largest."""
     results = run.results
-    told = results.dynamic_pressure if run.has_flow else results.pressure
-    node = int(np.argmax(np.abs(told).max(axis=0)))
+    shown = results.dynamic_pressure if run.has_flow else results.pressure
+    node = int(np.argmax(np.abs(shown).max(axis=0)))
     dynamic = results.dynamic_pressure[:, node]
     hydrostatic = results.pressure[:, node] - dynamic
     figure = new_figure()

@@ -83,7 +83,7 @@ def _periods(count: int) -> str:
 
 
 def transfer_table(run: RunFiles) -> Table | None:
-    """Transfer functions and peaks by component; None where a run's files do not tell."""
+    """Transfer functions and peaks by component; None where a run's files do not hold them."""
     cg, force = run.summary["cg"].get("transfer"), run.summary["force"].get("transfer")
     if not cg or not force:
         return None
