@@ -1,4 +1,4 @@
-"""The linear system of one iteration: a constant sparse matrix plus a low-rank added mass."""
+"""The linear system of one iteration: a constant sparse matrix and a low-rank inertia of liquid."""
 
 from __future__ import annotations
 

@@ -87,13 +87,13 @@ class Cloth:
         self,
         dt: float,
         load: Load,
-        added_mass: Array | None = None,
+        liquid_inertia: Array | None = None,
         *,
         settings: Settings | None = None,
     ) -> None:
         """Start a step of ``dt`` [s] from the committed state.
 
-        ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
+        ``liquid_inertia`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
         ``settings``: for this step in place of the cloth's own.
         """
         if (load.volume is None) == (load.datum is None):
@@ -107,8 +107,8 @@ class Cloth:
         if self.held:
             return
         rows = None
-        if added_mass is not None and len(added_mass) > 0:
-            rows = np.where(self.model.free[None, :, None], added_mass / kin.b, 0.0)
+        if liquid_inertia is not None and len(liquid_inertia) > 0:
+            rows = np.where(self.model.free[None, :, None], liquid_inertia / kin.b, 0.0)
         settings = self.settings if settings is None else settings
         penalty = settings.penalty
         if penalty is None:

@@ -109,10 +109,12 @@ class Structure(Protocol):
     triangles: Ints  # (m, 3), counter-clockwise seen from the gas
     fixed: NDArray[np.bool_]  # (n,) clamped nodes
 
-    def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
+    def begin_step(
+        self, dt: float, load: HydrostaticLoad, liquid_inertia: Array | None = None
+    ) -> None:
         """Start a step of ``dt`` [s] from the committed state.
 
-        ``added_mass`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
+        ``liquid_inertia`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
         """
 
     def inertial_prediction(self) -> Array:
@@ -125,7 +127,7 @@ class Structure(Protocol):
     def solve(self, force: Array) -> Array:
         """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 
-        The inertia that ``added_mass`` adds is part of the solve. The committed state stays as it
+        The ``liquid_inertia`` of the step is part of the solve. The committed state stays as it
         was: the call can be repeated, and the same force gives the same answer bit for bit.
         """
 
@@ -196,24 +198,18 @@ class FlowSample(LiquidSample):
     wall_distance: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class AddedMass:
-    """A liquid's inertia M_a = B^T B on its interface, at one shape of it.
+class LiquidInertia(Protocol):
+    """A liquid's inertia M_a = B^T B on its interface, at one shape of it."""
 
-    ``rows`` B = L C (r, p, 3) [kg^(1/2)] on the points; ``factor`` L (r, F) [kg^(1/2)/m^2] on the
-    faces; C is the faces' swept volume per displacement. Uniform pressures are left out.
-    """
-
-    rows: Array
-    factor: Array
+    @property
+    def rows(self) -> Array:
+        """B (r, p, 3) [kg^(1/2)] on the interface's points, without uniform pressures."""
 
     def force(self, acceleration: Array) -> Array:
         """M_a a (p, 3) [N] of accelerations (p, 3) [m/s^2]: what has to push the liquid."""
-        return np.tensordot(np.tensordot(self.rows, acceleration, 2), self.rows, 1)
 
     def pressure(self, acceleration: Array) -> Array:
         """The same as pressures (F,) [Pa] on the faces."""
-        return np.asarray(self.factor.T @ np.tensordot(self.rows, acceleration, 2))
 
 
 class Flow(Protocol):
@@ -229,22 +225,25 @@ class Flow(Protocol):
     def points(self) -> Array:
         """The interface (p, 3) [m], as committed."""
 
-    def begin_step(self, time: float, dt: float, shell: Array | None) -> None:
+    def begin_step(
+        self, time: float, dt: float, *, shell: Array | None = None, start: Array | None = None
+    ) -> None:
         """Start a step of ``dt`` from the committed fields at ``time`` [s].
 
-        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay; ``start``
+        (p, 3) [m]: where the interface, at rest, has slid to, None where it has not.
         """
 
-    def slide(self, points: Array) -> None:
-        """Start the step, not moving, at ``points`` (p, 3) [m], which the patch has slid to."""
+    def close_volume(self, points: Array, shell: Array | None = None) -> Array:
+        """The nearest interface (p, 3) that encloses the liquid's volume exactly.
 
-    def close_volume(self, points: Array) -> Array:
-        """The nearest interface (p, 3) that encloses the liquid's volume exactly."""
+        With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
+        """
 
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed)."""
 
-    def added_mass(self, points: Array) -> AddedMass:
+    def liquid_inertia(self, points: Array) -> LiquidInertia:
         """The liquid's inertia at this step's end, expected at ``points`` (p, 3) [m]."""
 
     def inertial_pressure(self, points: Array) -> Array:

@@ -62,21 +62,21 @@ class ThesisSheet:
         still = np.zeros_like(grid.points)
         self._memory = self._remembered(grid.points.copy(), still, 0.0, np.zeros(3), 0.0, 0)
 
-    def begin_step(self, dt: float, load: Load, added_mass: Array | None = None) -> None:
+    def begin_step(self, dt: float, load: Load, liquid_inertia: Array | None = None) -> None:
         """Start a step of ``dt`` [s] from the committed state.
 
         Within it the load goes evenly from that of the step before to ``load``, as the thesis
         takes its own at every millisecond. Raises ValueError for a load with a volume, or for
-        an ``added_mass``: the thesis has neither a volume constraint nor a liquid with inertia.
+        an ``liquid_inertia``: the thesis has neither a volume constraint nor a liquid with inertia.
         """
         if load.volume is not None or load.datum is None:
             raise ValueError(
                 "thesis cloth: the load gives a volume, but the thesis has no volume constraint. "
                 'Give the datum alone (model.fluid = "datum"), or take cloth.grid = "rings".'
             )
-        if added_mass is not None and len(added_mass) > 0:
+        if liquid_inertia is not None and len(liquid_inertia) > 0:
             raise ValueError(
-                "thesis cloth: its explicit step takes no added mass. "
+                "thesis cloth: its explicit step takes no liquid inertia. "
                 'Take cloth.grid = "rings" for a liquid with inertia.'
             )
         self._dt, self._load, self._solution, self.iterations = dt, load, None, 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,8 +26,17 @@ DEPTH, EDGE = 0.01, 0.1  # over R: least depth below the shell; it rises so from
 _log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True, kw_only=True)
+class MeshShape:
+    """Where the mesh stands: ``points`` (P, 3) [m], their cells, and the ``patch`` (p, 3) [m]."""
+
+    points: Array
+    geometry: CellGeometry
+    patch: Array
+
+
 class FollowingMesh:
-    """Points of ``mesh`` in a shell of ``radius`` [m]; ``points`` (P, 3) [m] are the committed.
+    """Points of ``mesh`` in a shell of ``radius`` [m]: the shapes ``committed`` and ``now``.
 
     The boundary's points are imposed, those inside relax from where they were. A mesh that folds
     or gets skewed is made anew from the reference. That needs no interpolation of the fields: the
@@ -42,43 +52,70 @@ class FollowingMesh:
         reach = np.linalg.norm(mesh.points[mesh.patch_points][:, :2], axis=1)
         depth = np.minimum(DEPTH, EDGE * (1.0 - reach))
         self._farthest = np.where(mesh.rim, np.inf, radius * (1.0 - depth))
+        self._fan, self._size = fan_volume(self._reference[self._boundary]), 1.0
+        self.committed = self.now = self._shape(self._reference)
+        self.shell = self._reference[mesh.shell_points]  # (s, 3) [m] of the step
+        self.volume = float(self.committed.geometry.volume.sum())  # [m^3] at the start
+        self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
 
     def raised(self, shell: Array, patch: Array, volume: float) -> Array:
         """``shell`` (s, 3) times what makes it hold ``volume`` [m^3] below ``patch`` (p, 3) [m]."""
         factor = 1.0
         for _ in range(20):
-            self.shell = factor * shell
-            missing = volume - fan_volume(self._outline(patch)[self._boundary])
+            missing = volume - fan_volume(self._outline(patch, factor * shell)[self._boundary])
             if abs(missing) < 1e-12 * volume:
                 break
             factor *= 1 + missing / (3 * volume)
-        return self.shell
+        return factor * shell
 
     def place(self, patch: Array, shell: Array) -> None:
         """Stand at rest below ``patch`` (p, 3) [m] in the ``shell``'s points (s, 3) [m]."""
-        self.patch, self.shell = patch, shell
+        self.shell = shell
         outline = self._outline(patch)
         self._fan = fan_volume(outline[self._boundary])
         self._size = self._fan / fan_volume(self._reference[self._boundary])
-        self.points, self.geometry = self._made_anew(outline, "t = 0 s")
-        self.volume = float(self.geometry.volume.sum())
+        points, geometry = self._made_anew(outline, "t = 0 s")
+        self.committed = self.now = MeshShape(points=points, geometry=geometry, patch=patch)
+        self.volume = float(geometry.volume.sum())
 
     def return_to(self, points: Array) -> None:
         """Stand at ``points`` (P, 3) [m], where the mesh has stood since it was placed."""
-        self.points, self.geometry = points, cell_geometry(self.mesh, points)
-        self.patch = points[self.mesh.patch_points]
+        self.committed = self.now = self._shape(points)
         self.shell = points[self.mesh.shell_points]
+
+    def _shape(self, points: Array) -> MeshShape:
+        """Of a mesh whose ``points`` (P, 3) [m] are known."""
+        patch = points[self.mesh.patch_points]
+        return MeshShape(points=points, geometry=cell_geometry(self.mesh, points), patch=patch)
+
+    @property
+    def points(self) -> Array:
+        """All points (P, 3) [m], as committed."""
+        return self.committed.points
+
+    @property
+    def patch(self) -> Array:
+        """The patch (p, 3) [m], as committed."""
+        return self.committed.patch
+
+    @property
+    def geometry(self) -> CellGeometry:
+        """The cells, as committed."""
+        return self.committed.geometry
 
     def begin_step(self, shell: Array | None) -> None:
         """Start a step that ends with the shell's points at ``shell`` (s, 3) [m], if they move."""
-        self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
+        self._base = None
         self.shell = self.shell if shell is None else shell
 
-    def close_volume(self, patch: Array) -> Array:
-        """``patch`` (p, 3) [m] shifted along its normals until the volume is that at the start."""
+    def close_volume(self, patch: Array, shell: Array | None = None) -> Array:
+        """``patch`` (p, 3) [m] shifted along its normals until the volume is that at the start.
+
+        With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
+        """
         faces = self.mesh.patch_faces
         for _ in range(30):
-            excess = self.excess(patch)
+            excess = self.excess(patch, shell)
             if abs(excess) <= 2e-16 * self.volume:
                 break
             normal = np.zeros_like(patch)
@@ -89,9 +126,9 @@ class FollowingMesh:
             patch = patch - height * excess / float((normal * height).sum())
         return patch
 
-    def excess(self, patch: Array) -> float:
+    def excess(self, patch: Array, shell: Array | None = None) -> float:
         """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
-        return fan_volume(self._outline(patch)[self._boundary]) - self._fan
+        return fan_volume(self._outline(patch, shell)[self._boundary]) - self._fan
 
     def slid(self, patch: Array) -> Array:
         """Volumes (B,) [m^3] that the boundary's faces sweep as the patch, at rest, starts at
@@ -114,7 +151,7 @@ class FollowingMesh:
         if self._base is None or not geometry.volume.min() > 0:
             points, geometry = self._relaxed(outline, moment)
             self._base = points
-        self.points_now, self.geometry_now, self._patch_now = points, geometry, patch
+        self.now = MeshShape(points=points, geometry=geometry, patch=patch)
         return swept_volumes(self.points[self._boundary], points[self._boundary])
 
     def _inside(self, patch: Array) -> Array:
@@ -126,17 +163,17 @@ class FollowingMesh:
 
     def accept_step(self) -> None:
         """Commit where the last call of ``follow`` led."""
-        self.points, self.geometry, self.patch = self.points_now, self.geometry_now, self._patch_now
+        self.committed = self.now
 
     @property
     def non_orthogonality_max(self) -> float:
         """Largest non-orthogonality [deg] of the committed mesh."""
         return self._skewness(self.geometry)
 
-    def _outline(self, patch: Array) -> Array:
+    def _outline(self, patch: Array, shell: Array | None = None) -> Array:
         """Points (P, 3) of which those on the boundary stand where they should."""
         points = np.zeros_like(self.mesh.points)
-        points[self.mesh.shell_points] = self.shell
+        points[self.mesh.shell_points] = self.shell if shell is None else shell
         points[self.mesh.patch_points] = patch
         return points
 

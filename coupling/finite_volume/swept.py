@@ -31,6 +31,13 @@ def swept_gradient(corner: Array) -> Array:
     return np.asarray((area + np.roll(area, 1, axis=1) + apex) / 3.0)
 
 
+def swept_rows(points: Array, faces: Ints) -> Array:
+    """Volume C (F, p, 3) [m^2] that every face sweeps per displacement of ``points`` (p, 3) [m]."""
+    rows = np.zeros((len(faces), len(points), 3))
+    np.add.at(rows, (np.arange(len(faces))[:, None], faces), swept_gradient(points[faces]))
+    return rows
+
+
 def pressure_force(points: Array, faces: Ints, pressure: Array) -> Array:
     """Forces (p, 3) [N] on ``points`` (p, 3) [m] of face pressures ``pressure`` (F,) [Pa].
 

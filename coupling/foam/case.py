@@ -83,7 +83,7 @@ class Case:
             decompose(self.folder, openfoam=self.openfoam, timeout=self.timeout)
 
     def _take_walls(self) -> None:
-        """Let the walls' pressure be that of an accelerating wall, from the library built."""
+        """Take the pressure of an accelerating wall, from the library built, on both patches."""
         pressure = ParsedParameterFile(str(self.folder / "0" / "p"))
         for patch in _PATCHES:
             pressure["boundaryField"][patch]["type"] = _WALL
@@ -131,11 +131,8 @@ class Case:
 
     def _refuse_uneven(self, start: float, end: float) -> None:
         known = self.time_folder(start) / "uniform" / "time"
-        last = (
-            re.search(r"deltaT\s+(\S+);", known.read_text(encoding="utf-8"))
-            if known.is_file()
-            else None
-        )
+        said = known.read_text(encoding="utf-8") if known.is_file() else ""
+        last = re.search(r"deltaT\s+(\S+);", said)
         if last is not None and abs(float(last[1]) / (end - start) - 1.0) > 1e-6:
             raise OpenFoamFailed(
                 f"t = {end:.6g} s: the step before was one of {last[1]} s, and a restarted "
@@ -226,7 +223,7 @@ class Case:
         return packed
 
     def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
-        """The reverse of ``pack``; other entries of ``saved`` are left alone.
+        """The reverse of ``pack``; other entries of ``saved`` are ignored.
 
         Raises ``OpenFoamFailed`` where they are those of another number of processors, or ask for
         the walls' library where it has not been built.

@@ -17,12 +17,25 @@ from numpy.typing import NDArray
 
 from coupling.ports import Array, Ints
 
-REACH = 0.03  # gap over R where a node counts as free altogether
-ORDER = 6  # highest wave round the axis
-RATE, FAST = 60.0, 200.0  # 1/s at which the curve follows leaps and small motion
-SMALL = 0.003  # size of what it is away by, as axis and waves have it, between small and a leap
-UPRIGHT = 0.5  # weight of the pole in the axis, over that of the whole sheet lifted to its centre
 _WIDEST = 0.98  # |cos psi| of the curve, at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactSettings:
+    """Constants of the search for the contact curve.
+
+    ``reach``: gap over R where a node counts as free altogether. ``order``: highest wave round the
+    axis. ``rate`` and ``fast`` [1/s]: at which the curve follows leaps and small motion; ``small``:
+    size of what it is away by, as axis and waves have it, between small and a leap. ``upright``:
+    weight of the pole in the axis, over that of the whole sheet lifted to its centre.
+    """
+
+    reach: float = 0.03
+    order: int = 6
+    rate: float = 60.0
+    fast: float = 200.0
+    small: float = 0.003
+    upright: float = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,15 +74,21 @@ class ContactSearch:
     """
 
     def __init__(
-        self, reference: Array, triangles: Ints, fixed: NDArray[np.bool_], radius: float
+        self,
+        reference: Array,
+        triangles: Ints,
+        fixed: NDArray[np.bool_],
+        radius: float,
+        settings: ContactSettings | None = None,
     ) -> None:
+        self.settings = settings or ContactSettings()
         self.radius = radius
         self._triangles = triangles
         moving = (~fixed)[triangles].astype(float)
         self._share = moving / np.maximum(moving.sum(axis=1), 1.0)[:, None]
         self._angle = solid_angles(reference, triangles)
         centre = reference[triangles].mean(axis=1)
-        self.smooth = Smooth(RATE, fast=FAST, small=SMALL)
+        self.smooth = Smooth(self.settings.rate, fast=self.settings.fast, small=self.settings.small)
         self._centre = centre / np.linalg.norm(centre, axis=1)[:, None]
 
     def free_part(self, position: Array, dt: float) -> FreePart:
@@ -85,17 +104,19 @@ class ContactSearch:
     def _measured(self, position: Array) -> Array:
         """Axis, real and imaginary parts of the waves, one after the other."""
         gap = 1.0 - np.linalg.norm(position, axis=1) / self.radius
-        near = np.clip(1.0 - gap / REACH, 0.0, 1.0)
+        near = np.clip(1.0 - gap / self.settings.reach, 0.0, 1.0)
         resting = (near * near * (3.0 - 2.0 * near))[self._triangles]
         resting = (self._share * resting).sum(axis=1)
         axis = ((1.0 - resting) * self._angle) @ self._centre / self._angle.sum()
-        axis[2] += UPRIGHT
+        axis[2] += self.settings.upright
         frame = upright_frame(axis)
         azimuth = np.arctan2(self._centre @ frame[1], self._centre @ frame[0])
-        order = np.arange(ORDER + 1)
+        order = np.arange(self.settings.order + 1)
         turns = np.exp(-1j * np.multiply.outer(order, azimuth))
         # Lanczos' factors keep the truncated series from overshooting where contact begins.
-        waves = turns @ (resting * self._angle) / np.pi * np.sinc(order / (ORDER + 1.0))
+        waves = (
+            turns @ (resting * self._angle) / np.pi * np.sinc(order / (self.settings.order + 1.0))
+        )
         waves[0] /= 2.0
         return np.concatenate([axis, waves.real, waves.imag])
 

@@ -8,59 +8,87 @@ is the contact curve brought onto the shell. The shell's points lie on arcs from
 to the rim. Only swept volumes matter to the flow: where points slide along, nothing is swept.
 
 Where the sheet is smooth the map is of second order, so that waves are not flattened; in creases,
-and beside the rim, where the sheet turns off the shell, it takes means, which never overshoot.
-Interpolation alone would lose volume where the patch is coarser than the sheet's waves, and all of
-it in the strip between a fixed rim and the points next to it. Within a step every node therefore
-displaces exactly the volume that its own triangles sweep: what interpolation misses lifts the patch
-beside it, and at the rim climbs the shell. In return a node bears the pressure on its own area.
-Only where faces are pressed together, at the bottom of a crease, is it less of both.
+and beside the rim, where the sheet turns off the shell, it takes means, which never overshoot. What
+the map of a step is, and how it keeps volumes, says ``patch_map``.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from coupling.finite_volume.geometry import face_centres_and_areas, fan_volume
-from coupling.finite_volume.mesh import LiquidMesh, shell_shares
-from coupling.finite_volume.swept import cross, swept_gradient
-from coupling.interface.contact_curve import ContactSearch
+from coupling.finite_volume.mesh import LiquidMesh
+from coupling.interface.contact_curve import ContactSearch, FreePart
 from coupling.interface.creases import give_way, least_sine
 from coupling.interface.liquid_shape import liquid_cg
-from coupling.interface.mapping import moving_least_squares, moving_quadratics
+from coupling.interface.mapping import Support, moving_least_squares, moving_quadratics
+from coupling.interface.patch_map import Lift, PatchMap, node_area, patch_area
+from coupling.interface.shell_arcs import ShellArcs
 from coupling.ports import Array, Ints, Structure, StructureState
 
-WEDGE = math.tan(math.radians(15.0))  # least slope of the liquid's edge
-STEEP = 0.25  # sine of the least angle at which the rim opens the liquid, about the wedge's
-SMALLEST = 0.5  # over the median inside: area that a point inside has to be lifted by, at least
-FILM = 0.02  # over R: the wedge's greatest depth
-LOW = 0.3  # weight of the lowest point in the pool's middle, over its offset in radii
-ROUNDS, MORE = 20, 60  # of smoothing, at most; that of corners goes on to more
-# Mean normal round a point: where the map is no longer of second order, where it is of first and
-# rounding sets in, where that is full.
-SMOOTH, FLAT, CREASED = 0.997, 0.99, 0.9
-OPEN, SHARP = 0.5, 0.2  # least sine of the corners round a point: likewise
-INSET = 0.95  # of the contact curve, beyond which nodes have the pressure at its edge
+
+@dataclass(frozen=True, kw_only=True)
+class PatchSettings:
+    """Constants of the patch.
+
+    The liquid's edge: ``wedge`` is its least slope, ``film`` the greatest depth over R that this
+    makes. ``steep``: sine of the least angle at which the rim opens the liquid, about the wedge's.
+    ``smallest``: area that a point inside has to be lifted by at least, over the median there.
+    ``low``: weight of the lowest point in the pool's middle, over its offset in radii.
+
+    Creases: by the size of the mean normal round a point, the map is of second order above
+    ``smooth`` and of first below ``flat``, where rounding sets in; it is full below ``creased``.
+    Likewise by the least sine of the corners round a point, between ``open`` and ``sharp``.
+    ``rounds`` of rounding at most; that of corners goes on to ``more``.
+
+    ``inset``: of the contact curve, beyond which nodes have the pressure at its edge.
+    ``linear`` and ``quadratic``: supports of the maps of first and second order.
+    """
+
+    wedge: float = math.tan(math.radians(15.0))
+    film: float = 0.02
+    steep: float = 0.25
+    smallest: float = 0.5
+    low: float = 0.3
+    smooth: float = 0.997
+    flat: float = 0.99
+    creased: float = 0.9
+    open: float = 0.5
+    sharp: float = 0.2
+    rounds: int = 20
+    more: int = 60
+    inset: float = 0.95
+    linear: Support = field(default_factory=lambda: Support(reach=1.3, least=12))
+    quadratic: Support = field(default_factory=lambda: Support(reach=1.8, least=20))
 
 
 class FreePatch:
     """Map from ``sheet`` to the patch of ``mesh`` in a shell of ``radius`` [m]."""
 
-    def __init__(self, mesh: LiquidMesh, sheet: Structure, *, radius: float) -> None:
+    def __init__(
+        self,
+        mesh: LiquidMesh,
+        sheet: Structure,
+        *,
+        radius: float,
+        settings: PatchSettings | None = None,
+    ) -> None:
+        self.settings = settings or PatchSettings()
         self.mesh, self.radius = mesh, radius
         self._triangles, self._moulded = sheet.triangles, sheet.reference / radius
         self._search = ContactSearch(sheet.reference, sheet.triangles, sheet.fixed, radius)
-        disc, wall = mesh.points[mesh.patch_points], mesh.points[mesh.shell_points]
+        disc = mesh.points[mesh.patch_points]
         self._reach = np.linalg.norm(disc[:, :2], axis=1)
         self._azimuth = np.arctan2(disc[:, 1], disc[:, 0])
-        self._wall_reach = np.arccos(np.clip(-wall[:, 2], -1.0, 1.0)) / (0.5 * np.pi)
-        self._wall_azimuth = np.arctan2(wall[:, 1], wall[:, 0])
         rim = np.flatnonzero(mesh.rim)
         self._rim = rim[np.argsort(self._azimuth[rim])]
+        self._arcs = ShellArcs(mesh, self._rim, self._azimuth[self._rim])
         faces, count = mesh.patch_faces, len(disc)
         self._around = _means(faces.ravel(), np.repeat(np.arange(len(faces)), 4), count)
         edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
@@ -68,7 +96,7 @@ class FreePatch:
         self._others = np.searchsorted(edges[:, 0], np.arange(count + 1)), edges[:, 1]
         self._inside = ~mesh.rim  # and no neighbour of the rim, where the sheet turns off the shell
         self._inside[edges[mesh.rim[edges[:, 1]], 0]] = False
-        self._below = _below(mesh)[self._rim]
+        self.map: PatchMap | None = None  # of the last step begun
         self.size = 1.0  # of the polyhedron that stands for the shell, over R
 
     def fit(self, state: StructureState, volume: float) -> None:
@@ -77,59 +105,78 @@ class FreePatch:
 
         def excess(size: float) -> float:
             self.size = size
-            outline[self.mesh.shell_points] = self.begin_step(state, 0.0, state.position)
-            outline[self.mesh.patch_points] = self.to_flow(state.position)
+            fitted = self.begin_step(state, 0.0, state.position)
+            outline[self.mesh.shell_points] = fitted.shell
+            outline[self.mesh.patch_points] = fitted.to_flow(state.position)
             return fan_volume(outline[self.mesh.faces[self.mesh.inner_faces :]]) / volume - 1.0
 
         self.size = brentq(excess, 0.9, 1.2, xtol=1e-15)
 
-    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> Array:
-        """Take the map of a step of ``dt`` [s] from ``state``; the shell's points (s, 3) [m].
+    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> PatchMap:
+        """The map of a step of ``dt`` [s] from ``state``.
 
         It is that of the sheet at ``nodes`` (n, 3) [m], as far as they lie in the shell.
         """
+        s = self.settings
         distance = np.linalg.norm(nodes, axis=1)[:, None]
         nodes = nodes * np.minimum(1.0, self.radius / np.maximum(distance, 1e-30))
-        self._values: Array | None = None
-        self.free = self._search.free_part(nodes, dt)
-        edge = self.free.edge(self._azimuth)
-        self.moulded = self.free.directions(self._reach * edge, self._azimuth)
-        self.weights = moving_quadratics(self._moulded, self.moulded)
-        flat = (self._flatness(self.weights @ nodes) - FLAT) / (SMOOTH - FLAT)
-        sharp = np.where(self._inside, np.clip(flat, 0.0, 1.0), 0.0)
-        plain = moving_least_squares(self._moulded, self.moulded)
-        self.weights = plain + sharp[:, None] * (self.weights - plain)
-        points = self.weights @ nodes
+        free = self._search.free_part(nodes, dt)
+        edge = free.edge(self._azimuth)
+        moulded = free.directions(self._reach * edge, self._azimuth)
+        weights = self._weights(moulded, nodes)
+        points = weights @ nodes
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
         points[self._rim] = self.size * self.radius * rim
-        self.weights[self._rim] = 0.0
-        self._round(points)
-        depth = np.minimum(FILM, WEDGE * (1.0 - self._reach) * edge)
+        weights[self._rim] = 0.0
+        self._round(points, weights)
+        depth = np.minimum(s.film, s.wedge * (1.0 - self._reach) * edge)
         most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
         points[~self.mesh.rim] *= np.minimum(1.0, most)[~self.mesh.rim, None]
-        self._offset = points - self.weights @ nodes
         centre = liquid_cg(nodes, self._triangles, self.radius, state.volume) / self.radius
-        shell = self._wall(centre - [0.0, 0.0, LOW], rim)
-        self._let_lift(nodes, points, shell)
-        return shell
+        shell = self._arcs.points(centre - [0.0, 0.0, s.low], rim, self.size * self.radius)
+        faces = moulded[self.mesh.patch_faces].mean(axis=1)
+        self.map = PatchMap(
+            shell=shell,
+            nodes=nodes,
+            weights=weights,
+            offset=points - weights @ nodes,
+            lift=self._lift(nodes, points, shell, weights, moulded, free),
+            face_directions=faces / np.linalg.norm(faces, axis=1)[:, None],
+            node_directions=free.within(self._moulded, s.inset),
+            support=s.linear,
+        )
+        return self.map
 
-    def _round(self, points: Array) -> None:
-        """Round sharp creases of ``points`` (p, 3) [m], and of the weights with them.
+    def _weights(self, moulded: Array, nodes: Array) -> Array:
+        """Weights (p, n) of the points ``moulded`` (p, 3) on a sheet at ``nodes`` (n, 3) [m]."""
+        s = self.settings
+        weights = moving_quadratics(self._moulded, moulded, s.quadratic)
+        flat = (self._flatness(weights @ nodes) - s.flat) / (s.smooth - s.flat)
+        sharp = np.where(self._inside, np.clip(flat, 0.0, 1.0), 0.0)
+        plain = moving_least_squares(self._moulded, moulded, s.linear)
+        return np.asarray(plain + sharp[:, None] * (weights - plain))
+
+    def _round(self, points: Array, weights: Array) -> None:
+        """Round sharp creases of ``points`` (p, 3) [m], and of the ``weights`` (p, n) with them.
 
         A point gives way to the mean of its neighbours, the more the sharper the crease, or a
         corner of a face where the bottom of a crease has been pressed together.
         """
-        for turn in range(MORE):
+        s = self.settings
+        for turn in range(s.more):
             corners, normal = points[self.mesh.patch_faces], self._normals(points)
             flat = np.linalg.norm(self._around @ normal, axis=1)
-            share = np.clip((FLAT - flat) / (FLAT - CREASED), 0.0, 1.0 if turn < ROUNDS else 0.0)
+            share = np.clip(
+                (s.flat - flat) / (s.flat - s.creased), 0.0, 1.0 if turn < s.rounds else 0.0
+            )
             least = np.ones(len(points))
             np.minimum.at(least, self.mesh.patch_faces, least_sine(corners, normal)[:, None])
-            share = np.maximum(share, np.clip((OPEN - least) / (OPEN - SHARP), 0.0, 1.0)) ** 2
+            corner = np.clip((s.open - least) / (s.open - s.sharp), 0.0, 1.0)
+            share = np.maximum(share, corner) ** 2
             creased = np.flatnonzero(np.where(self.mesh.rim, 0.0, share))
             if len(creased) == 0:
                 break
-            for values in (self.weights, points):
+            for values in (weights, points):
                 give_way(values, creased, share, *self._others)
 
     def _normals(self, points: Array) -> Array:
@@ -141,39 +188,6 @@ class FreePatch:
         """Size (p,) of the mean normal round each of ``points`` (p, 3) [m]: 1, less at a crease."""
         return np.asarray(np.linalg.norm(self._around @ self._normals(points), axis=1))
 
-    def _wall(self, middle: Array, rim: Array) -> Array:
-        """Points (s, 3) [m] of the shell on arcs from the pool's middle to ``rim`` (r, 3)."""
-        azimuth = self._azimuth[self._rim]
-        turn = np.concatenate([azimuth[-1:] - 2 * np.pi, azimuth, azimuth[:1] + 2 * np.pi])
-        closed = np.concatenate([rim[-1:], rim, rim[:1]])
-        end = np.stack([np.interp(self._wall_azimuth, turn, closed[:, k]) for k in range(3)], 1)
-        end /= np.linalg.norm(end, axis=1)[:, None]
-        middle = middle / np.linalg.norm(middle)
-        arc = np.arccos(np.clip(end @ middle, -1.0, 1.0))
-        reach, arc = shell_shares(self._wall_reach, arc)[:, None], arc[:, None]
-        wall = np.sin((1.0 - reach) * arc) * middle + np.sin(reach * arc) * end
-        return np.asarray(self.size * self.radius * wall / np.sin(arc))
-
-    def to_flow(self, nodes: Array) -> Array:
-        """Flow points (p, 3) of cloth nodes (n, 3), in the step's map."""
-        missed = np.einsum("nx,nx->n", self._missed, nodes - self._ahead)
-        lift = (self._shares.T @ missed) / self._opened
-        points: Array = self.weights @ nodes + self._offset + lift[:, None] * self._way
-        return points
-
-    def to_cloth(self, force: Array) -> Array:
-        """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
-        nodal: Array = self.rows_to_cloth(force[None])[0]
-        return nodal
-
-    def rows_to_cloth(self, rows: Array) -> Array:
-        """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
-        flat = rows.transpose(1, 0, 2).reshape(len(self.weights), -1)  # one large product
-        through = (self.weights.T @ flat).reshape(-1, len(rows), 3).transpose(1, 0, 2)
-        pressure = np.einsum("rpx,px->rp", rows, self._way) / self._opened
-        own = (pressure @ self._shares.T)[:, :, None] * self._missed
-        return np.ascontiguousarray(through + own)
-
     def save(self) -> dict[str, Array]:
         """What of the map a former step has left."""
         return {"contact": self._search.smooth.save()}
@@ -182,56 +196,45 @@ class FreePatch:
         """The reverse of ``save``; other entries are left alone."""
         self._search.smooth.restore(saved["contact"])
 
-    def _let_lift(self, nodes: Array, points: Array, shell: Array) -> None:
-        """Let the patch rise by the volume that interpolation misses of the sheet's.
+    def _lift(
+        self,
+        nodes: Array,
+        points: Array,
+        shell: Array,
+        weights: Array,
+        moulded: Array,
+        free: FreePart,
+    ) -> Lift:
+        """How the points ``moulded`` (p, 3) of a map of ``weights`` (p, n) rise.
 
         ``nodes`` (n, 3), ``points`` (p, 3) and ``shell`` (s, 3) [m] are where all will be. A point
         inside rises along its normal, one on the rim along the edge that comes up to it, so that
         the shell's facets sweep nothing. A node's volume goes to the points from whose values its
         own would be interpolated, so that the volumes' first moments are kept as well.
         """
-        area, own = np.zeros_like(points), np.zeros_like(nodes)
-        np.add.at(area, self.mesh.patch_faces, swept_gradient(points[self.mesh.patch_faces]))
-        a, b, c = (nodes[self._triangles[:, k]] for k in range(3))
-        np.add.at(own, self._triangles, (cross(b - a, c - a) / 6.0)[:, None])
+        area, inside = patch_area(points, self.mesh.patch_faces), ~self.mesh.rim
         way = area.copy()
-        way[self._rim] = points[self._rim] - shell[self._below]
-        self._way = way / np.linalg.norm(way, axis=1)[:, None]
-        flattest = STEEP * np.linalg.norm(area, axis=1)
-        flattest[~self.mesh.rim] = SMALLEST * np.median(
-            np.linalg.norm(area[~self.mesh.rim], axis=1)
+        way[self._rim] = points[self._rim] - shell[self._arcs.below]
+        way /= np.linalg.norm(way, axis=1)[:, None]
+        size = np.linalg.norm(area, axis=1)
+        flattest = self.settings.steep * size
+        flattest[inside] = self.settings.smallest * np.median(size[inside])
+        return Lift(
+            way=way,
+            opened=np.maximum(np.einsum("px,px->p", area, way), flattest),
+            missed=node_area(nodes, self._triangles) - weights.T @ area,
+            shares=moving_least_squares(
+                moulded, free.within(self._moulded, 1.0), self.settings.linear
+            ),
         )
-        self._opened = np.maximum(np.einsum("px,px->p", area, self._way), flattest)
-        self._missed = own - self.weights.T @ area
-        self._shares = moving_least_squares(self.moulded, self.free.within(self._moulded, 1.0))
-        self._ahead = nodes
 
     def to_nodes(self, values: Array) -> Array:
-        """Values (n,) at the nodes of ``values`` (F,) on the patch's faces, in the step's map.
-
-        Where the sheet lies on the shell they are those of the contact curve beside it.
-        """
-        if self._values is None:
-            centre = self.moulded[self.mesh.patch_faces].mean(axis=1)
-            centre /= np.linalg.norm(centre, axis=1)[:, None]
-            self._values = moving_least_squares(centre, self.free.within(self._moulded, INSET))
-        return self._values @ values
+        """Values (n,) at the nodes of ``values`` (F,) on the patch's faces, in the last map."""
+        assert self.map is not None, "begin_step comes first"
+        return self.map.to_nodes(values)
 
 
 def _means(points: Ints, others: Ints, count: int) -> csr_array:
     """Matrix (count, k) that gives every one of ``points`` the mean over its ``others``."""
     share = 1.0 / np.bincount(points, minlength=count)[points]
     return csr_array((share, (points, others)))
-
-
-def _below(mesh: LiquidMesh) -> Ints:
-    """For every one of ``mesh.patch_points`` on the rim the shell's point, in the numbering of
-    ``mesh.shell_points``, that an edge joins to it; -1 for the others."""
-    ends = np.concatenate([mesh.edges, mesh.edges[:, ::-1]])
-    rim = mesh.patch_points[mesh.rim]
-    ends = ends[np.isin(ends[:, 0], rim) & np.isin(ends[:, 1], mesh.shell_points)]
-    below = np.full(len(mesh.patch_points), -1)
-    below[np.searchsorted(mesh.patch_points, ends[:, 0])] = np.searchsorted(
-        mesh.shell_points, ends[:, 1]
-    )
-    return below

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -16,23 +17,30 @@ from scipy.spatial import cKDTree
 from cloth.compiled import compiled
 from coupling.ports import Array, Ints, StructureState
 
-NEIGHBOURS_AT_LEAST = 12  # nodes a row may use; three conditions stand on every row
-NEIGHBOURS_AT_MOST = 80
-SUPPORT = 1.3  # radius of a row's support over the distance to the next targets
-WIDER, MORE = 1.8, 20  # support and least neighbours of rows with six conditions
+
+@dataclass(frozen=True, kw_only=True)
+class Support:
+    """The sources that a row of weights may use.
+
+    ``reach``: radius of the support over the distance to the third next target. ``least`` and
+    ``most``: number of sources, whatever the radius; ``least`` is some times the conditions that
+    stand on a row, three for means and six for quadratics, so that no row is ill-conditioned.
+    """
+
+    reach: float
+    least: int
+    most: int = 80
 
 
-class InterfaceMap(Protocol):
-    """What the coupling asks of a map."""
+class StepMap(Protocol):
+    """What maps cloth nodes to flow points in one step: fixed, and linear in the nodes."""
 
-    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> Array | None:
-        """Take the map of a step of ``dt`` [s] from ``state``; the shell's points (s, 3) [m].
-
-        ``nodes`` (n, 3) [m]: where the structure's are expected at its end.
-        """
+    @property
+    def shell(self) -> Array | None:
+        """The shell's points (s, 3) [m] at the step's end, None where they stay."""
 
     def to_flow(self, nodes: Array) -> Array:
-        """Flow points (p, 3) of cloth nodes (n, 3)."""
+        """Flow points (p, 3) [m] of cloth nodes (n, 3) [m]."""
 
     def to_cloth(self, force: Array) -> Array:
         """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
@@ -40,18 +48,31 @@ class InterfaceMap(Protocol):
     def rows_to_cloth(self, rows: Array) -> Array:
         """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
 
+
+class InterfaceMap(Protocol):
+    """What the coupling asks of a map: one for every step."""
+
+    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> StepMap:
+        """The map of a step of ``dt`` [s] from ``state``.
+
+        ``nodes`` (n, 3) [m]: where the structure's are expected at its end.
+        """
+
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; other entries are left alone."""
+        """The reverse of ``save``; other entries are ignored."""
 
 
 class Matching:
     """The map of a structure whose nodes are the flow's points, in a shell that stays."""
 
-    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> None:
-        """Nothing moves from step to step."""
+    shell: Array | None = None
+
+    def begin_step(self, state: StructureState, dt: float, nodes: Array) -> Matching:
+        """The same in every step."""
+        return self
 
     def to_flow(self, nodes: Array) -> Array:
         """The nodes themselves (p, 3)."""
@@ -73,28 +94,28 @@ class Matching:
         """No memory."""
 
 
-def moving_least_squares(source: Array, target: Array) -> Array:
+def moving_least_squares(source: Array, target: Array, support: Support) -> Array:
     """Weights N (t, s) from values at ``source`` (s, 3) to ``target`` (t, 3), on a unit sphere.
 
     A row is the weighted least-norm set of weights that reproduces constants and what is linear
     in the tangent plane (Levin, Math. Comp. 67, 1998), over all sources within its support, so
     that those between two targets are averaged and receive their share by the transpose. The
-    support reaches ``SUPPORT`` times as far as the third next target, and to
-    ``NEIGHBOURS_AT_LEAST`` sources; a row is continuous in its target.
+    support reaches ``support.reach`` times as far as the third next target, and to
+    ``support.least`` sources; a row is continuous in its target.
     """
-    near, distance, radius = _supports(source, target, SUPPORT, NEIGHBOURS_AT_LEAST)
+    near, distance, radius = _supports(source, target, support)
     weights = np.zeros((len(target), len(source)))
     least_norm_weights(source, target, near, distance, radius, weights)
     return weights
 
 
-def moving_quadratics(source: Array, target: Array) -> Array:
+def moving_quadratics(source: Array, target: Array, support: Support) -> Array:
     """As ``moving_least_squares``, but a row reproduces quadratics in the tangent plane too.
 
     Means over a support of radius r flatten a wave of number k by k^2 r^2/20; these do so in the
     fourth power only. In return some weights are negative: for smooth surfaces.
     """
-    near, distance, radius = _supports(source, target, WIDER, MORE)
+    near, distance, radius = _supports(source, target, support)
     share = np.maximum(1.0 - distance / radius[:, None], 0.0)
     kernel = np.where(share > 0.0, share**2 + 1e-6, 0.0)
     normal = target / np.linalg.norm(target, axis=1)[:, None]
@@ -113,15 +134,16 @@ def moving_quadratics(source: Array, target: Array) -> Array:
     return weights
 
 
-def _supports(source: Array, target: Array, reach: float, least: int) -> tuple[Ints, Array, Array]:
-    """Nearest sources (t, k), their distances (t, k), and the radius (t,) of each row's support.
-
-    It is ``reach`` times as far as the third next target, and takes ``least`` sources or more.
-    """
+def _supports(source: Array, target: Array, support: Support) -> tuple[Ints, Array, Array]:
+    """Nearest sources (t, k), their distances (t, k), and the radius (t,) of each row's support."""
     spacing = np.asarray(cKDTree(target).query(target, k=4)[0])[:, 3]
-    count = min(NEIGHBOURS_AT_MOST, len(source))
+    count = min(support.most, len(source))
     distance, near = (np.asarray(a) for a in cKDTree(source).query(target, k=count))
-    return near, distance, np.maximum(reach * spacing, 1.01 * distance[:, min(least, count) - 1])
+    return (
+        near,
+        distance,
+        np.maximum(support.reach * spacing, 1.01 * distance[:, min(support.least, count) - 1]),
+    )
 
 
 @compiled

@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from coupling.ports import Array, SchemeSettings
+
+
+@dataclass(frozen=True, kw_only=True)
+class IqnIlsSettings:
+    """Constants of the quasi-Newton schemes.
+
+    ``filtering``: share of a column's length that must be left beyond the newer columns, or the
+    column is dropped. The diaphragm's contact and its inner iteration make columns of former steps
+    noisy: on the start of pad sway (8 steps reused) 0.1 takes 13 iterations a step, 0.3 takes 16,
+    0.001 diverges, and no reuse takes 25.
+    """
+
+    filtering: float = 0.1
 
 
 class IqnIls:
@@ -21,15 +35,14 @@ class IqnIls:
     takes_inertia: ClassVar[bool] = False
     typical_iterations: ClassVar[float] = 11.0
 
-    # Of a column's length: what must be left beyond the newer columns. The diaphragm's contact and
-    # its inner iteration make columns of former steps noisy: on the start of pad sway (8 steps
-    # reused) 0.1 takes 13 iterations a step, 0.3 takes 16, 0.001 diverges, and no reuse takes 25.
-    FILTER = 0.1
-
-    def __init__(self, relaxation: float, reuse: int, *, filtering: float = FILTER) -> None:
-        self.relaxation, self.reuse, self.filtering = relaxation, reuse, filtering
+    def __init__(
+        self, relaxation: float, reuse: int, *, settings: IqnIlsSettings | None = None
+    ) -> None:
+        self.relaxation, self.reuse = relaxation, reuse
+        self.settings = settings or IqnIlsSettings()
         self._steps: list[tuple[Array, Array]] = []  # (V, W) of former steps, newest first
-        self.begin_step()
+        self._v, self._w = list[Array](), list[Array]()  # of this step
+        self._last: tuple[Array, Array] | None = None  # residual and image
 
     @classmethod
     def of(cls, settings: SchemeSettings) -> IqnIls:
@@ -38,9 +51,7 @@ class IqnIls:
 
     def begin_step(self) -> None:
         """Start the step's own columns."""
-        self._v: list[Array] = []
-        self._w: list[Array] = []
-        self._last: tuple[Array, Array] | None = None
+        self._v, self._w, self._last = [], [], None
 
     def update(self, x: Array, residual: Array) -> Array:
         """The next x (k,) from x (k,) and its residual (k,)."""
@@ -65,7 +76,7 @@ class IqnIls:
             rest = vector - basis @ (basis.T @ vector)
             rest -= basis @ (basis.T @ rest)
             size = float(np.linalg.norm(rest))
-            if size > self.filtering * float(np.linalg.norm(vector)):
+            if size > self.settings.filtering * float(np.linalg.norm(vector)):
                 keep.append(column)
                 basis = np.column_stack([basis, rest / size])
         return keep

@@ -20,7 +20,7 @@ from coupling.simulation.energy import Instant, instant_of
 from coupling.simulation.sampling import at_nodes, sample_at, still
 from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
-from coupling.step.substeps import HALVINGS, advance
+from coupling.step.substeps import advance
 from coupling.store.run_record import Sample
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -42,6 +42,7 @@ class Participants:
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
+        self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
 
     def settle(self) -> None:
@@ -93,7 +94,7 @@ class Participants:
         try:
             parts = advance(
                 self.step, now, dt, self.load,
-                halvings=HALVINGS if self.step.halvable else 0, taken=self._taken,
+                halvings=None if self.step.halvable else 0, taken=self._taken,
             )  # fmt: skip
         finally:
             for part, seconds in self.step.seconds().items():

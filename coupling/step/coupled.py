@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from time import perf_counter
 
 from coupling.interface.mapping import InterfaceMap
@@ -17,29 +17,55 @@ from coupling.ports import (
     StepReport,
     Structure,
 )
+from coupling.step.backtracking import Backtracking, BacktrackingSettings
 from coupling.step.convergence import Convergence
-from coupling.step.divergence import diverged, told_from_divergence
+from coupling.step.divergence import diverged_at, told_from_divergence
+from coupling.step.history import History
 from coupling.step.interface_problem import InterfaceProblem
-from coupling.step.nearest import nearest
-from coupling.step.surrogate import surrogate_iterate
+from coupling.step.interface_step import Iterate, known
+from coupling.step.remap import Remap, RemapSettings
+from coupling.step.surrogate import Surrogate, SurrogateSettings
 
-DIVERGED = 1e3  # residual over the step's displacement: no scheme comes back from there
-SLOW, MAPS = 8, 3  # iterations on a map before its rate is judged; maps of a step, at most
-RATE = 0.3  # of the residual: what an iteration with the added mass should leave
 
-_log = logging.getLogger(__name__)
+@dataclass(frozen=True, kw_only=True)
+class CoupledSettings:
+    """Constants of a coupled step and of its policies.
+
+    ``diverged``: residual over the step's displacement from which no scheme comes back.
+    """
+
+    diverged: float = 1e3
+    backtracking: BacktrackingSettings = field(default_factory=BacktrackingSettings)
+    remap: RemapSettings = field(default_factory=RemapSettings)
+    surrogate: SurrogateSettings = field(default_factory=SurrogateSettings)
+
+
+_NO_POLICIES = CoupledSettings(
+    backtracking=BacktrackingSettings(halvings=0),
+    remap=RemapSettings(maps=1),
+    surrogate=SurrogateSettings(iterations=0),
+)
 
 
 class CoupledStep:
     """Couples ``structure`` and ``flow`` through ``mapping`` by ``scheme``.
 
-    ``record`` is told of every iteration: time [s], iteration, relative residual, seconds.
+    In a step from t to t + dt, x being the interface at its end, S the structure's answer to a
+    pressure and F the flow's to an interface:
 
-    With ``added_mass`` (see ``InterfaceProblem``) slams are met in three ways. The map is that of
-    where the diaphragm is heading: where it does not come to be there, the map leads astray, and is
-    made anew for where it has come to. The liquid's inertia, held during the step, changes with the
-    shape: where iterations are slow, the next iterate is sought with its change as a surrogate. And
-    an iterate that leads nowhere is drawn back towards the last. Other schemes stay as they are.
+    1. Predictor: open the step on the map for where the structure is heading; x is the structure's
+       answer to the pressure extrapolated from former steps (``InterfaceProblem.begin_step``).
+    2. Iterate: x~ = S(F(x)), r = x~ - x. Where x has no answer it goes back towards the last x that
+       had one (``Backtracking``).
+    3. Converged, |r| small by ``Convergence``, or ``max_iterations`` done: the step ends at x.
+    4. Where the map leads astray, go on from 1 with the map for where the structure has come to
+       (``Remap``); where x diverges, the step fails (``advance`` of ``substeps`` halves it).
+    5. x becomes the scheme's update of (x, r), or where that is slow the solution with the
+       surrogate (``Surrogate``). Go on from 2.
+
+    The policies are those of a scheme with ``liquid_inertia`` (see ``InterfaceProblem``), which
+    needs them in slams; other schemes stay as their papers have them. ``record`` is called after
+    every iteration with time [s], iteration, relative residual, seconds.
     """
 
     def __init__(
@@ -49,16 +75,25 @@ class CoupledStep:
         mapping: InterfaceMap,
         scheme: Scheme,
         *,
-        added_mass: bool,
+        liquid_inertia: bool,
         convergence: Convergence,
         max_iterations: int,
         record: Callable[[float, int, float, float], None],
+        settings: CoupledSettings | None = None,
     ) -> None:
-        self.problem = InterfaceProblem(structure, flow, mapping, added_mass=added_mass)
+        self.settings = settings or CoupledSettings()
+        self.problem = InterfaceProblem(
+            structure, flow, mapping, liquid_inertia=liquid_inertia,
+            backtracking=Backtracking(self.settings.backtracking),
+        )  # fmt: skip
+        policies = self.settings if liquid_inertia else _NO_POLICIES
+        self.backtracking = Backtracking(policies.backtracking)
+        self.remap, self.surrogate = Remap(policies.remap), Surrogate(policies.surrogate)
         self.scheme = scheme
         self.convergence = convergence
         self.max_iterations = max_iterations
         self.record = record
+        self._last: tuple[Iterate, float] | None = None  # of the last attempt, with its residual
         self._tried, self._parts = 0, list[tuple[float, FlowSample]]()  # since the last report
 
     @property
@@ -79,88 +114,60 @@ class CoupledStep:
         """
         scheme = self.scheme.save()
         try:
-            self._solve(time, dt, load)
+            self._last = self._solve(time, dt, load)
         except (StepFailed, ArithmeticError):
             self.problem.abandon()
             self.scheme.restore(scheme)
             raise
         return True
 
-    def _solve(self, time: float, dt: float, load: HydrostaticLoad) -> None:
-        clock, problem = perf_counter(), self.problem
-        x, residuals = problem.begin_step(time, dt, load), list[float]()
-        solved = self._begin_map()
-        made, maps = 0, 1
+    def _solve(self, time: float, dt: float, load: HydrostaticLoad) -> tuple[Iterate, float]:
+        """The iterate that the step ends at, and its relative residual."""
+        clock, problem, history = perf_counter(), self.problem, History()
+        x = problem.begin_step(time, dt, load)
+        solved = self._begin_map(history)
         for iteration in range(1, self.max_iterations + 1):
             self._tried += 1
-            with told_from_divergence(time + dt, residuals):
-                x, image = self._solved(x, solved)
-            solved = x
-            relative = self.convergence.relative(image - x, x - problem.start, dt)
-            residuals.append(relative)
+            with told_from_divergence(time + dt, history.residuals):
+                iterate = self.backtracking.nearest(problem.image, x, solved)
+            solved = iterate.points
+            relative = self.convergence.relative(iterate.residual, solved - problem.step.start, dt)
+            history.add(relative)
             self.record(time + dt, iteration, relative, perf_counter() - clock)
             clock = perf_counter()
-            self._last, self._residual = (x, image - x), relative
             if relative <= self.convergence.tolerance or iteration == self.max_iterations:
-                return
-            since = residuals[made:]
-            astray = not relative < DIVERGED
-            astray |= len(since) > SLOW and self.convergence.is_far(since)
-            if astray and problem.added_mass and problem.moves and maps < MAPS:
+                break
+            diverged = not relative < self.settings.diverged
+            if problem.moves and self.remap.is_due(history, self.convergence, diverged=diverged):
                 x = problem.remap()
-                solved = self._begin_map()
-                made, maps = iteration, maps + 1
+                solved = self._begin_map(history)
                 continue
-            if not relative < DIVERGED:
-                raise diverged(time + dt, residuals)
-            x = self._next(x, image, since)
+            if diverged:
+                raise diverged_at(time + dt, history.residuals)
+            x = self._next(iterate, history.on_map)
+        return iterate, relative
 
-    def _begin_map(self) -> Array:
+    def _begin_map(self, history: History) -> Array:
         """Forget what holds on one map only; where the interface (p, 3) [m] starts on this one."""
+        history.begin_map()
         self.scheme.begin_step()
-        self._by_surrogate, self._trusted = False, True
-        return self.problem.start
+        self.surrogate.begin_map()
+        return self.problem.step.start
 
-    def _solved(self, x: Array, before: Array) -> tuple[Array, Array]:
-        """The interface ``x`` (p, 3) [m], its volume closed, and its image.
-
-        With the added mass an ``x`` for which there is no mesh, or whose pressure the structure
-        cannot bear, is drawn back towards the interface solved ``before`` (p, 3) [m].
-        """
-
-        def ask(points: Array) -> tuple[Array, Array]:
-            points = self.problem.close_volume(points)
-            return points, self.problem.image(points)
-
-        return nearest(ask, x, before) if self.problem.added_mass else ask(x)
-
-    def _next(self, x: Array, image: Array, since: list[float]) -> Array:
-        """The iterate (p, 3) [m] after ``x``, which has led to ``image``.
-
-        ``since``: relative residuals on this map. The surrogate takes over from the scheme where
-        two iterations have left more than they should. Once it does no better it is let be.
-        """
-        update = self.scheme.update(x.ravel(), (image - x).ravel()).reshape(x.shape)
-        if self._by_surrogate:
-            self._trusted = since[-1] <= RATE * since[-2]
-        slow = len(since) > 2 and since[-1] > RATE**2 * since[-3]
-        if not (self.problem.added_mass and self._trusted and (self._by_surrogate or slow)):
-            self._by_surrogate = False
-            return update
-        found: Array | None = None
-        tolerance = RATE * self.convergence.tolerance / since[-1]
-        try:
-            found = surrogate_iterate(self.problem, x, image, update, tolerance=tolerance)
-        except (StepFailed, ArithmeticError) as failure:
-            _log.info("the surrogate is let be: %s", failure)
-        self._by_surrogate = self._trusted = found is not None
+    def _next(self, iterate: Iterate, on_map: list[float]) -> Array:
+        """The x (p, 3) [m] after ``iterate``; ``on_map``: relative residuals on this map."""
+        x, residual = iterate.points, iterate.residual
+        update = self.scheme.update(x.ravel(), residual.ravel()).reshape(x.shape)
+        found = self.surrogate.next(
+            self.problem, iterate, update, on_map, tolerance=self.convergence.tolerance
+        )
         return update if found is None else found
 
     def accept(self) -> None:
         """Commit the last attempt."""
-        x, residual = self._last
-        self.scheme.accept_step(x.ravel(), residual.ravel())
-        self._parts.append((self._residual, self.problem.accept_step()))
+        iterate, residual = known(self._last)
+        self.scheme.accept_step(iterate.points.ravel(), iterate.residual.ravel())
+        self._parts.append((residual, self.problem.accept_step()))
 
     def report(self) -> StepReport:
         """What the steps took that were accepted since the last report, as one."""

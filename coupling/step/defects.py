@@ -1,8 +1,9 @@
-"""What the flow's pressure leaves beyond its added mass, carried forward from former steps."""
+"""What the flow's pressure leaves beyond its inertia, carried forward from former steps."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,18 @@ from coupling.ports import Array
 
 # Weights of former defects, newest first: constant, to the middle of the step, linear, quadratic.
 EXTRAPOLATIONS = ((1.0,), (1.5, -0.5), (2.0, -1.0), (3.0, -3.0, 1.0))
-_KEPT = 4  # defects: three to extrapolate from, and the one that says how well it went
+
+
+@dataclass(frozen=True, kw_only=True)
+class DefectSettings:
+    """Constants of the predictor.
+
+    ``order``: how many of ``EXTRAPOLATIONS`` are tried, 0 for no prediction (a defect of zero).
+    ``growth``: the change that the prediction goes on by, over the last step's, at most.
+    """
+
+    order: int = 4
+    growth: float = 1.0
 
 
 class Defects:
@@ -22,13 +34,15 @@ class Defects:
     no more than the last change: what grows in a slam must not be multiplied.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, settings: DefectSettings | None = None) -> None:
+        self.settings = settings or DefectSettings()
         self._past: list[Array] = []  # newest first, of steps of one length
         self._dt = 0.0  # that length
 
     def add(self, defect: Array, dt: float) -> None:
         """Append that of the step of ``dt`` [s] just accepted (F,) [Pa]."""
-        self._past = [defect, *(self._past if dt == self._dt else [])][:_KEPT]
+        kept = 1 + max(map(len, EXTRAPOLATIONS))  # the last one says how well the order has done
+        self._past = [defect, *(self._past if dt == self._dt else [])][:kept]
         self._dt = dt
 
     def next(self, faces: int, dt: float) -> Array:
@@ -36,15 +50,16 @@ class Defects:
 
         The last one where that was of another length: there is no trend to go on with.
         """
-        if not self._past:
+        if not self._past or self.settings.order == 0:
             return np.zeros(faces)
         if dt != self._dt:
             return self._past[0]
-        known = [weights for weights in EXTRAPOLATIONS if len(weights) < len(self._past)]
+        tried = EXTRAPOLATIONS[: self.settings.order]
+        known = [weights for weights in tried if len(weights) < len(self._past)]
         newest, before = self._past[0], self._past[1:]
         best = min(known, key=lambda w: _distance(_combined(w, before), newest), default=(1.0,))
         change = _combined(best, self._past) - newest
-        most = _distance(newest, before[0]) if before else 0.0
+        most = self.settings.growth * _distance(newest, before[0]) if before else 0.0
         return newest + change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-300))
 
     def save(self) -> dict[str, Array]:

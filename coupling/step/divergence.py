@@ -18,17 +18,19 @@ def told_from_divergence(time: float, residuals: list[float]) -> Iterator[None]:
         yield
     except ArithmeticError as failure:
         if residuals:
-            raise diverged(time, residuals) from failure
+            raise diverged_at(time, residuals) from failure
         raise
     except RunFailed as failure:
         if residuals and max(residuals) > 1.0:
             # Where the solver itself has died nothing is left to take the step in parts with.
             kind = StepFailed if isinstance(failure, StepFailed) else RunFailed
-            raise diverged(time, residuals, kind) from failure
+            raise diverged_at(time, residuals, kind) from failure
         raise
 
 
-def diverged(time: float, residuals: list[float], kind: type[RunFailed] = StepFailed) -> RunFailed:
+def diverged_at(
+    time: float, residuals: list[float], kind: type[RunFailed] = StepFailed
+) -> RunFailed:
     """The failure to raise at ``time`` [s], with the last of ``residuals``."""
     last = ", ".join(f"{residual:.1e}" for residual in residuals[-4:])
     return kind(

@@ -8,22 +8,16 @@ from time import perf_counter
 
 from coupling.finite_volume.swept import pressure_force
 from coupling.interface.mapping import InterfaceMap
-from coupling.ports import (
-    AddedMass,
-    Array,
-    Flow,
-    FlowSample,
-    HydrostaticLoad,
-    Structure,
-)
+from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, Structure
+from coupling.step.backtracking import Backtracking
 from coupling.step.defects import Defects
-from coupling.step.nearest import nearest
+from coupling.step.interface_step import Answer, InterfaceStep, Iterate, StepRequest, known
 
 
 class InterfaceProblem:
     """x = S(F(x)) of the interface x (p, 3) [m] at a step's end, ``structure`` S and ``flow`` F.
 
-    With ``added_mass`` the flow's own inertia operator M_a enters the structure's step, and the
+    With ``liquid_inertia`` the flow's own inertia operator M_a enters the structure's step, and the
     flow hands back its defect p + M_a a only, which is small and smooth in time: extrapolated from
     former steps it is the predictor. The operator belongs to the shape at the step's end, as the
     diaphragm's velocity has it, and so does the ``mapping``. Where the flow has no mesh for that
@@ -37,88 +31,107 @@ class InterfaceProblem:
     """
 
     def __init__(
-        self, structure: Structure, flow: Flow, mapping: InterfaceMap, *, added_mass: bool
+        self,
+        structure: Structure,
+        flow: Flow,
+        mapping: InterfaceMap,
+        *,
+        liquid_inertia: bool,
+        backtracking: Backtracking,
     ) -> None:
         self.structure, self.flow, self.mapping = structure, flow, mapping
-        self.added_mass = added_mass
+        self.liquid_inertia, self.backtracking = liquid_inertia, backtracking
         self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
-        self.start: Array  # (p, 3) [m], of the interface in this step
-        self.moves = False  # the map, from step to step
-        self._shift: Array  # (p, 3) [m], of the step's map: closes the volume where expected
-        self._closure: Array  # (p, 3) [m], of the structure's last answer, beyond that
         self._defects = Defects()
-        self._inertia: AddedMass | None = None  # of this step
+        self._request: StepRequest | None = None
+        self._step: InterfaceStep | None = None
+        self._answer: Answer | None = None  # the structure's last
+        self._solved: Iterate | None = None  # the last of ``image``
+
+    @property
+    def step(self) -> InterfaceStep:
+        """The step that has begun, on its present map."""
+        return known(self._step)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the map changes from step to step."""
+        return self.step.map.shell is not None
 
     def begin_step(self, time: float, dt: float, load: HydrostaticLoad) -> Array:
         """Open the step from ``time`` [s] on both sides; the predicted interface (p, 3) [m].
 
         Raises ``StepFailed``, ArithmeticError.
         """
-        self._step, self._begun = (time, dt, load), self.mapping.save()
+        self._request = StepRequest(time=time, dt=dt, load=load, before=self.mapping.save())
         state = self.structure.state
-        return nearest(self._open, state.position + dt * state.velocity, state.position)
+        expected = state.position + dt * state.velocity
+        return self.backtracking.nearest(self._open, expected, state.position)
 
     def remap(self) -> Array:
         """Open the step again, on the map for where the structure's last answer lies."""
-        return nearest(self._open, self._nodes, self.structure.state.position)
+        nodes = known(self._answer).nodes
+        return self.backtracking.nearest(self._open, nodes, self.structure.state.position)
 
     def abandon(self) -> None:
         """Leave the step, as if it had never begun."""
-        self.mapping.restore(self._begun)
+        self.mapping.restore(known(self._request).before)
 
     def _open(self, nodes: Array) -> Array:
         """As ``begin_step``, on the map for ``nodes`` (n, 3) [m] at the step's end."""
-        self.mapping.restore(self._begun)
-        time, dt, load = self._step
-        state = self.structure.state
+        request, state = known(self._request), self.structure.state
+        self.mapping.restore(request.before)
         with self._timed("mapping"):
-            shell = self.mapping.begin_step(state, dt, nodes)
-            self.moves = shell is not None
-            self.flow.begin_step(time, dt, shell)
-            mapped = self.mapping.to_flow(nodes)
-            ahead = self.flow.close_volume(mapped)
-            self._shift = ahead - mapped
-            self.start = self.flow.points
-            if self.moves:
-                self.start = self.flow.close_volume(self._to_flow(state.position))
-                self.flow.slide(self.start)
-        if not self.added_mass:
-            self._begin_structure(dt, load)
-            return ahead
-        with self._timed("fluid"):
-            self._inertia = self.flow.added_mass(ahead)
-        with self._timed("mapping"):
-            rows = self.mapping.rows_to_cloth(self._inertia.rows)
-        self._begin_structure(dt, load, rows)
-        defect = self._defects.next(len(self.flow.faces), dt)
-        return self._structure_answer(pressure_force(ahead, self.flow.faces, defect))
-
-    def _begin_structure(self, dt: float, load: HydrostaticLoad, rows: Array | None = None) -> None:
+            step_map = self.mapping.begin_step(state, request.dt, nodes)
+            shell = step_map.shell
+            mapped = step_map.to_flow(nodes)
+            ahead = self.flow.close_volume(mapped, shell)
+            shift, slid = ahead - mapped, None
+            if shell is not None:
+                slid = self.flow.close_volume(step_map.to_flow(state.position) + shift, shell)
+            self.flow.begin_step(request.time, request.dt, shell=shell, start=slid)
+        inertia, rows = None, None
+        if self.liquid_inertia:
+            with self._timed("fluid"):
+                inertia = self.flow.liquid_inertia(ahead)
+            with self._timed("mapping"):
+                rows = step_map.rows_to_cloth(inertia.rows)
         with self._timed("structure"):
-            self.structure.begin_step(dt, load, rows)
-        self._inertial = self._to_flow(self.structure.inertial_prediction())
+            self.structure.begin_step(request.dt, request.load, rows)
+        self._step = InterfaceStep(
+            map=step_map,
+            start=self.flow.points if slid is None else slid,
+            shift=shift,
+            inertial=step_map.to_flow(self.structure.inertial_prediction()) + shift,
+            scale=self.structure.acceleration_scale,
+            inertia=inertia,
+        )
+        return ahead if inertia is None else self._predicted(ahead)
 
-    def _to_flow(self, nodes: Array) -> Array:
-        """The interface (p, 3) [m] of nodes (n, 3) [m], in the step's map."""
-        return self.mapping.to_flow(nodes) + self._shift
+    def _predicted(self, ahead: Array) -> Array:
+        """Where the defect of former steps takes the structure, expected at ``ahead`` (p, 3)."""
+        defect = self._defects.next(len(self.flow.faces), known(self._request).dt)
+        return self._structure_answer(pressure_force(ahead, self.flow.faces, defect)).points
 
-    def image(self, points: Array) -> Array:
-        """S(F(x)) (p, 3) [m] of ``points`` x (p, 3) [m], both of the liquid's volume.
+    def image(self, points: Array) -> Iterate:
+        """The iterate at ``points`` x (p, 3) [m], whose volume is closed first.
 
         Raises ``RunFailed``, ArithmeticError.
         """
+        points = self.close_volume(points)
         with self._timed("fluid"):
-            self._pressure = self.flow.solve(points)
-        self._points = points
-        return self._answer(points, self._pressure)
+            pressure = self.flow.solve(points)
+        image = self._image(points, pressure)
+        self._solved = Iterate(points=points, pressure=pressure, image=image)
+        return self._solved
 
-    def surrogate(self) -> Callable[[Array], Array]:
-        """S(F~(y)), with F~(y) - F(x) as the flow's inertia alone has it, x the last one solved.
+    def surrogate(self, iterate: Iterate) -> Callable[[Array], Array]:
+        """S(F~(y)), with F~(y) - F(x) as the flow's inertia alone has it, x that of ``iterate``.
 
         Raises ``StepFailed``, ArithmeticError, as what it returns does.
         """
-        pressure = self._pressure - self._inertial_pressure(self._points)
-        return lambda points: self._answer(points, pressure + self._inertial_pressure(points))
+        rest = iterate.pressure - self._inertial_pressure(iterate.points)
+        return lambda points: self._image(points, rest + self._inertial_pressure(points))
 
     def _inertial_pressure(self, points: Array) -> Array:
         with self._timed("fluid"):
@@ -129,31 +142,35 @@ class InterfaceProblem:
         with self._timed("mapping"):
             return self.flow.close_volume(points)
 
-    def _answer(self, points: Array, pressure: Array) -> Array:
+    def _image(self, points: Array, pressure: Array) -> Array:
         """The interface (p, 3) that ``pressure`` (F,) [Pa] on it at ``points`` (p, 3) leads to."""
         force = pressure_force(points, self.flow.faces, pressure)
-        if self._inertia is not None:
-            force = force + self._inertia.force(self._acceleration(points))
-        return self._structure_answer(force)
+        if self.step.inertia is not None:
+            force = force + self.step.inertia.force(self._acceleration(points))
+        return self._structure_answer(force).points
 
     def _acceleration(self, points: Array) -> Array:
-        """Of the interface (p, 3) [m/s^2] that ends the step at ``points`` (p, 3) [m]."""
-        return (points - self._closure - self._inertial) / self.structure.acceleration_scale
+        """Of the interface (p, 3) [m/s^2] that ends the step at ``points`` (p, 3) [m].
 
-    def _structure_answer(self, force: Array) -> Array:
-        """The interface (p, 3) that ``force`` (p, 3) [N] on it leads to, its volume closed."""
+        What the volume's closure has moved the structure's last answer by is no acceleration.
+        """
+        return (points - known(self._answer).closure - self.step.inertial) / self.step.scale
+
+    def _structure_answer(self, force: Array) -> Answer:
+        """What ``force`` (p, 3) [N] on the interface leads to."""
         with self._timed("structure"):
-            self._nodes = self.structure.solve(self.mapping.to_cloth(force))
-        mapped = self._to_flow(self._nodes)
+            nodes = self.structure.solve(self.step.map.to_cloth(force))
+        mapped = self.step.to_flow(nodes)
         closed = self.close_volume(mapped)
-        self._closure = closed - mapped
-        return closed
+        self._answer = Answer(nodes=nodes, points=closed, closure=closed - mapped)
+        return self._answer
 
     def accept_step(self) -> FlowSample:
         """Commit what the last call of ``image`` solved."""
-        if self._inertia is not None:
-            inertial = self._inertia.pressure(self._acceleration(self._points))
-            self._defects.add(self._pressure + inertial, self._step[1])
+        if self.step.inertia is not None:
+            solved = known(self._solved)
+            inertial = self.step.inertia.pressure(self._acceleration(solved.points))
+            self._defects.add(solved.pressure + inertial, known(self._request).dt)
         self.structure.accept_step()
         return self.flow.accept_step()
 

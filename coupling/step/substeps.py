@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from coupling.ports import HydrostaticLoad, StepFailed, TimeStep
 
-HALVINGS = 3
-
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalvingSettings:
+    """``halvings``: of a step that fails, at most; 0 ends the run with the first failure."""
+
+    halvings: int = 3
 
 
 def advance(
@@ -18,7 +24,7 @@ def advance(
     dt: float,
     load: Callable[[float, float], HydrostaticLoad],
     *,
-    halvings: int = HALVINGS,
+    halvings: int | None = None,
     taken: Callable[[float], None] = lambda _: None,
 ) -> int:
     """Take ``step`` from ``now`` to ``now + dt`` [s] under ``load(start, end)``; parts it took.
@@ -27,6 +33,7 @@ def advance(
     most; the last is accepted as it is, unless it fails. Raises its ArithmeticError or
     ``StepFailed`` then. ``taken`` is called with the length [s] of every part, once accepted.
     """
+    halvings = HalvingSettings().halvings if halvings is None else halvings
     try:
         good = step.attempt(now, dt, load(now, now + dt)) or halvings == 0
     except (ArithmeticError, StepFailed) as failure:

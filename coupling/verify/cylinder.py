@@ -108,7 +108,7 @@ class Tank:
     depth: float
 
     def potential(self, degree: int) -> float:
-        """omega [1/s] of the mode with the added mass of polynomials of ``degree``.
+        """omega [1/s] of the mode with the liquid's inertia by polynomials of ``degree``.
 
         Their origin is the middle of the liquid.
         """

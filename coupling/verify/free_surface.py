@@ -42,6 +42,21 @@ class SurfaceState:
     strain: Array
 
 
+@dataclass(frozen=True, kw_only=True)
+class SurfaceStep:
+    """A step in hand, of heights (p,) [m]; ``b`` [s] is its formula's.
+
+    ``anchor`` and ``predicted`` (p,): without speed and without forces; ``force`` (p,) [N] of the
+    load and of all inertia at ``predicted``; ``matrix`` (p + 1, p + 1), bordered by the volume.
+    """
+
+    b: float
+    anchor: Array
+    predicted: Array
+    force: Array
+    matrix: Array
+
+
 class FreeSurface:
     """Small heights above a level surface whose nodes are the flow's patch points.
 
@@ -81,16 +96,17 @@ class FreeSurface:
         self._stiffness += tension * slope_form(points[:, :2], faces)
         self.height = np.zeros(len(points))
         self.speed = np.zeros((2, len(points)))  # now, one step ago
-        self._before = self.height
+        self._before = self._now = self.height  # a step ago; what the last solve has found
         self.steps = 0
+        self._step: SurfaceStep | None = None
 
-    def mode(self, shape: Array, added_mass: Array) -> tuple[float, Array]:
+    def mode(self, shape: Array, liquid_inertia: Array) -> tuple[float, Array]:
         """omega [1/s] of the mode most like the heights ``shape`` (p,), and its heights (p,).
 
-        It keeps the volume; the largest height is 1. ``added_mass`` (r, p, 3) [kg^(1/2)] of the
+        It keeps the volume; the largest height is 1. ``liquid_inertia`` (r, p, 3) [kg^(1/2)] of the
         liquid.
         """
-        rows = np.einsum("rpx,px->rp", added_mass, self.path)
+        rows = np.einsum("rpx,px->rp", liquid_inertia, self.path)
         inertia = rows.T @ rows + np.diag(self._mass)
         kept = null_space(self._area[None])
         value, vector = eigh(kept.T @ self._stiffness @ kept, kept.T @ inertia @ kept)
@@ -106,55 +122,63 @@ class FreeSurface:
         """Integral of the heights times ``shape`` (p,) [m^3]."""
         return float((self._area * shape) @ self.height)
 
-    def energy(self, added_mass: Array) -> float:
-        """Kinetic and potential energy [J] with the liquid's ``added_mass`` (r, p, 3)."""
+    def energy(self, liquid_inertia: Array) -> float:
+        """Kinetic and potential energy [J] with the liquid's ``liquid_inertia`` (r, p, 3)."""
         speed = self.speed[0]
-        liquid = np.einsum("rpx,px,p->r", added_mass, self.path, speed)
+        liquid = np.einsum("rpx,px,p->r", liquid_inertia, self.path, speed)
         kinetic = float(liquid @ liquid + speed @ (self._mass * speed))
         return 0.5 * (kinetic + float(self.height @ self._stiffness @ self.height))
 
-    def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
+    def begin_step(
+        self, dt: float, load: HydrostaticLoad, liquid_inertia: Array | None = None
+    ) -> None:
         """Start a step of ``dt`` [s]; gravity is built in, ``load`` adds its horizontal part."""
         sideways = load.body_force * (1.0, 1.0, 0.0)
-        self._push = load.density * self._flux.T @ (self._centre @ sideways)
+        force = load.density * self._flux.T @ (self._centre @ sideways)
         if self.steps == 0:
-            self._scale = dt
-            self._from, speed = self.height, self.speed[0]
+            b, anchor, speed = dt, self.height, self.speed[0]
         else:
-            self._scale = 2 * dt / 3
-            self._from = (4 * self.height - self._before) / 3
+            b = 2 * dt / 3
+            anchor = (4 * self.height - self._before) / 3
             speed = (4 * self.speed[0] - self.speed[1]) / 3
-        self._predicted = self._from + self._scale * speed
-        matrix = np.diag(self._mass) / self.acceleration_scale + self._stiffness
-        self._rows = None
-        if added_mass is not None:
-            self._rows = np.einsum("rpx,px->rp", added_mass, self.path)
-            matrix += self._rows.T @ self._rows / self.acceleration_scale
-        # Bordered by the volume: the heights add none.
-        border = self._area[:, None]
-        self._matrix = np.block([[matrix, border], [border.T, np.zeros((1, 1))]])
+        predicted = anchor + b * speed
+        force = force + self._mass * predicted / b**2
+        matrix = np.diag(self._mass) / b**2 + self._stiffness
+        if liquid_inertia is not None:
+            rows = np.einsum("rpx,px->rp", liquid_inertia, self.path)
+            matrix += rows.T @ rows / b**2
+            force += rows.T @ (rows @ predicted) / b**2
+        border = self._area[:, None]  # by the volume: the heights add none
+        bordered = np.block([[matrix, border], [border.T, np.zeros((1, 1))]])
+        self._step = SurfaceStep(
+            b=b, anchor=anchor, predicted=predicted, force=force, matrix=bordered
+        )
+
+    @property
+    def step(self) -> SurfaceStep:
+        """The step that has begun."""
+        if self._step is None:
+            raise RuntimeError("free surface: begin_step comes first.")
+        return self._step
 
     @property
     def acceleration_scale(self) -> float:
         """b^2 [s^2] of this step's implicit formula."""
-        return self._scale**2
+        return self.step.b**2
 
     def inertial_prediction(self) -> Array:
         """Where the nodes (p, 3) [m] would go without forces."""
-        return np.asarray(self.reference + self._predicted[:, None] * self.path)
+        return np.asarray(self.reference + self.step.predicted[:, None] * self.path)
 
     def solve(self, force: Array) -> Array:
         """Nodes (p, 3) [m] under nodal ``force`` (p, 3) [N]."""
-        right = np.einsum("px,px->p", force, self.path) + self._push
-        right = right + self._mass * self._predicted / self.acceleration_scale
-        if self._rows is not None:
-            right += self._rows.T @ (self._rows @ self._predicted) / self.acceleration_scale
-        self._now = np.linalg.solve(self._matrix, np.append(right, 0.0))[:-1]
+        right = np.einsum("px,px->p", force, self.path) + self.step.force
+        self._now = np.linalg.solve(self.step.matrix, np.append(right, 0.0))[:-1]
         return self.reference + self._now[:, None] * self.path
 
     def accept_step(self) -> None:
         """Commit the last solve."""
-        self.speed = np.stack([(self._now - self._from) / self._scale, self.speed[0]])
+        self.speed = np.stack([(self._now - self.step.anchor) / self.step.b, self.speed[0]])
         self._before, self.height = self.height, self._now
         self.steps += 1
 

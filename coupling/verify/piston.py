@@ -95,8 +95,9 @@ def _release(
 
     coupled = CoupledStep(
         body, flow, Matching(), kind.of(Coupling(relaxation=RELAXATION, reuse=0)),
-        added_mass=kind.takes_inertia, max_iterations=200, record=record,
+        max_iterations=200, record=record,
         convergence=Convergence(tolerance=TOLERANCE, acceleration=OMEGA**2 * AMPLITUDE),
+        liquid_inertia=kind.takes_inertia,
     )  # fmt: skip
     load = HydrostaticLoad(density=DENSITY, body_force=np.zeros(3))
     steps = int(np.ceil(PERIODS * 2 * np.pi / OMEGA / step))
@@ -118,14 +119,13 @@ def column_mesh(cells: int) -> LiquidMesh:
     across = max(2, round(cells * WIDTH / LENGTH))
     counts = np.array([across, across, cells])
     grid = np.stack(np.meshgrid(*(np.arange(n + 1) for n in counts), indexing="ij"), axis=-1)
-    points = (grid / counts - 0.5) * (WIDTH / LENGTH, WIDTH / LENGTH, 1.0)
-    index = np.arange(points[..., 0].size).reshape(grid.shape[:3])
+    points = ((grid / counts - 0.5) * (WIDTH / LENGTH, WIDTH / LENGTH, 1.0)).reshape(-1, 3)
+    index = np.arange(len(points)).reshape(grid.shape[:3])
     corners = [
         index[i : i + across, j : j + across, k : k + cells]
         for i, j, k in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0),
                         (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
     ]  # fmt: skip
-    points = points.reshape(-1, 3)
     # What lies above 0.5 is the patch: of the distances from the middle these are the ends alone.
     mesh = assemble(np.abs(points), np.stack(corners, axis=-1).reshape(-1, 8), top=0.5 - 1e-9)
     return replace(mesh, points=points)
@@ -140,6 +140,19 @@ class PistonState:
     datum_pressure: float
     volume: float
     strain: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class PistonStep:
+    """A step in hand, with ``b`` [s] of its formula and the ``inertia`` [N/m] over b^2.
+
+    ``anchor`` and ``ahead`` [m]: where the place would be without speed, and without forces.
+    """
+
+    b: float
+    anchor: float
+    ahead: float
+    inertia: float
 
 
 class Piston:
@@ -157,34 +170,39 @@ class Piston:
         self.place, self.speed = np.zeros(2), np.zeros(2)
         self.origin = 0.0  # the place in which the points are ``reference``
         self.steps = 0
+        self._step = PistonStep(b=0.0, anchor=0.0, ahead=0.0, inertia=0.0)  # before the first
+        self._now = 0.0  # the place that the last solve has found
 
     def stretch(self, way: float) -> None:
         """Stretch the spring by ``way`` [m]; the ends are where they are, at rest."""
         self.place = np.full(2, way)
         self.origin = way
 
-    def begin_step(self, dt: float, load: HydrostaticLoad, added_mass: Array | None = None) -> None:
+    def begin_step(
+        self, dt: float, load: HydrostaticLoad, liquid_inertia: Array | None = None
+    ) -> None:
         """Start a step of ``dt`` [s]; a uniform body force has no part along a closed column."""
         weights = (1.0, 0.0) if self.steps == 0 else (4 / 3, -1 / 3)
-        self._b = dt if self.steps == 0 else 2 * dt / 3
-        self._from = float(np.dot(weights, self.place))
-        self._ahead = self._from + self._b * float(np.dot(weights, self.speed))
-        rows = np.zeros(0) if added_mass is None else added_mass[:, :, 2].sum(axis=1)
-        self._inertia = (self.mass + float(rows @ rows)) / self.acceleration_scale
+        b = dt if self.steps == 0 else 2 * dt / 3
+        anchor = float(np.dot(weights, self.place))
+        rows = np.zeros(0) if liquid_inertia is None else liquid_inertia[:, :, 2].sum(axis=1)
+        ahead = anchor + b * float(np.dot(weights, self.speed))
+        inertia = (self.mass + float(rows @ rows)) / b**2
+        self._step = PistonStep(b=b, anchor=anchor, ahead=ahead, inertia=inertia)
 
     @property
     def acceleration_scale(self) -> float:
         """b^2 [s^2] of this step's implicit formula."""
-        return self._b**2
+        return self._step.b**2
 
     def inertial_prediction(self) -> Array:
         """Where the ends (p, 3) [m] would go without forces."""
-        return self._points(self._ahead)
+        return self._points(self._step.ahead)
 
     def solve(self, force: Array) -> Array:
         """The ends (p, 3) [m] under nodal ``force`` (p, 3) [N]."""
-        pushed = float(force[:, 2].sum()) + self._inertia * self._ahead
-        self._now = pushed / (self._inertia + self.stiffness)
+        pushed = float(force[:, 2].sum()) + self._step.inertia * self._step.ahead
+        self._now = pushed / (self._step.inertia + self.stiffness)
         return self._points(self._now)
 
     def _points(self, place: float) -> Array:
@@ -192,7 +210,7 @@ class Piston:
 
     def accept_step(self) -> None:
         """Commit the last solve."""
-        self.speed = np.array([(self._now - self._from) / self._b, self.speed[0]])
+        self.speed = np.array([(self._now - self._step.anchor) / self._step.b, self.speed[0]])
         self.place = np.array([self._now, self.place[0]])
         self.steps += 1
 

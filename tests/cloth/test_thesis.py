@@ -372,7 +372,7 @@ def test_refuses_what_the_thesis_does_not_have():
     sheet = build(8)
     with pytest.raises(ValueError, match="no volume constraint"):
         sheet.begin_step(0.005, replace(Datum(0.5, GRAVITY), volume=0.1))
-    with pytest.raises(ValueError, match="added mass"):
+    with pytest.raises(ValueError, match="liquid inertia"):
         sheet.begin_step(0.005, Datum(0.5, GRAVITY), np.ones((1, 64, 3)))
     with pytest.raises(RuntimeError, match="begin_step comes first"):
         sheet.solve(np.zeros((64, 3)))

@@ -12,9 +12,9 @@ from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
 from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
 
 from cloth.inertia import kinematics
-from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
 from coupling.finite_volume.geometry import cell_geometry, fan_volume, non_orthogonality
 from coupling.finite_volume.gradients import wall_distance
+from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import half_ball
 from coupling.finite_volume.swept import pressure_force
 from coupling.fluids.openfoam.flow import OpenFoamFlow
@@ -95,7 +95,7 @@ def test_points_are_imposed_exactly(flow):
     flow.begin_step(0.0, STEP)
     flow.solve(moved(flow, 2e-3))
     found = read_points(flow.case.time_folder(STEP) / "polyMesh" / "points")
-    assert (found == flow._following.points_now).all()
+    assert (found == flow._following.now.points).all()
     assert np.abs(found - flow.mesh_points).max() > 1e-4
     assert "Mesh OK." in check_mesh(flow, "-latestTime")
 
@@ -135,11 +135,11 @@ def test_step_repeats_itself(flow):
     assert np.abs(other - first).max() > 0.1 * np.abs(first).max()
 
 
-def test_first_pressure_is_that_of_the_added_mass(flow):
+def test_first_pressure_is_that_of_the_inertia(flow):
     # From rest an Euler step is linear: p = -M_a a but for the solver's splitting and the swing of
     # the mesh in the step, which falls with the motion. Forces carry the same weights.
     laplacian = NeumannLaplacian(flow.mesh, cell_geometry(flow.mesh, flow.mesh_points))
-    inertia = added_mass(laplacian, flow.points, DENSITY)
+    inertia = LiquidInertia.of(laplacian, flow.points, DENSITY)
     start = flow.points
     target = moved(flow, 1e-5)
     flow.begin_step(0.0, STEP)
@@ -154,7 +154,7 @@ def test_inertial_pressure_is_the_flows_from_rest_and_changes_with_the_shape(flo
     # too, it leaves less of the flow's own change than the operator of the start.
     start = flow.points
     flow.begin_step(0.0, STEP)
-    fixed = flow.added_mass(start)
+    fixed = flow.liquid_inertia(start)
     ends = [moved(flow, size) for size in (1e-3, 0.02, 0.03)]
     found = [(flow.solve(end).copy(), flow.inertial_pressure(end)) for end in ends]
     assert np.linalg.norm(found[0][0] - found[0][1]) < 0.02 * np.linalg.norm(found[0][0])
@@ -185,10 +185,10 @@ def test_walls_pressure_is_what_the_coupler_carries_on_to_them(tmp_path):
 
 
 @pytest.mark.parametrize("cells", [176, 540])
-def test_pressure_of_uneven_steps_is_that_of_the_added_mass(tmp_path, alive, cells):
+def test_pressure_of_uneven_steps_is_that_of_the_inertia(tmp_path, alive, cells):
     # As above, for accelerations that take the last steps' lengths into account as the solver does.
     flow = flow_at_rest(tmp_path / "foam", cells, openfoam=alive)
-    inertia = added_mass(
+    inertia = LiquidInertia.of(
         NeumannLaplacian(flow.mesh, cell_geometry(flow.mesh, flow.mesh_points)),
         flow.points,
         DENSITY,
@@ -207,7 +207,7 @@ def test_pressure_of_uneven_steps_is_that_of_the_added_mass(tmp_path, alive, cel
     flow.close()
 
 
-def test_added_mass_of_a_moving_flow_is_that_of_the_steps_end(flow):
+def test_inertia_of_a_moving_flow_is_that_of_the_steps_end(flow):
     # What the coupling has to iterate away is p + M_a a. Fluxes and pressures are taken on the
     # faces at the step's end, which the swing turns and stretches; what M_a leaves there are the
     # convective terms.
@@ -225,7 +225,7 @@ def test_added_mass_of_a_moving_flow_is_that_of_the_steps_end(flow):
     answers = [pressure_force(end, flow.faces, flow.solve(points)) for points in (other, end)]
     change, acceleration = answers[0] - answers[1], (other - end) / (2 * STEP / 3) ** 2
     left = [
-        float(np.linalg.norm(change + flow.added_mass(points).force(acceleration)))
+        float(np.linalg.norm(change + flow.liquid_inertia(points).force(acceleration)))
         for points in (start, end)
     ]
     assert left[1] < 0.8 * left[0]

@@ -7,7 +7,8 @@ from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.ports import StepFailed
 from coupling.scene.scene import scene_from
 from coupling.simulation.driver import run
-from coupling.step.surrogate import surrogate_iterate
+from coupling.step.remap import RemapSettings
+from coupling.step.surrogate import SurrogateSettings, surrogate_iterate
 from coupling.store.iteration_log import read_iterations
 from coupling.store.results import read_results
 
@@ -49,7 +50,7 @@ def test_added_mass_needs_few_iterations(best):
 
 
 def test_a_map_made_anew_within_the_step_leads_to_the_same_motion(best, tmp_path, monkeypatch):
-    monkeypatch.setattr("coupling.step.coupled.SLOW", 0)
+    monkeypatch.setitem(RemapSettings.__init__.__kwdefaults__, "slow", 0)
     summary, folder = coupled(tmp_path, "added-mass")
     assert summary["status"] == "completed"
     assert summary["coupling"]["unconverged_steps"] == 0
@@ -68,8 +69,10 @@ def test_the_surrogate_leads_to_the_same_motion(best, tmp_path, monkeypatch):
         solved.append(found is not None)
         return found
 
-    monkeypatch.setattr("coupling.step.coupled.surrogate_iterate", watched)
-    monkeypatch.setattr("coupling.step.coupled.RATE", 1e-3)  # no scheme's iteration is so fast
+    monkeypatch.setattr("coupling.step.surrogate.surrogate_iterate", watched)
+    monkeypatch.setitem(
+        SurrogateSettings.__init__.__kwdefaults__, "rate", 1e-3
+    )  # no scheme's iteration is so fast
     summary, folder = coupled(tmp_path, "added-mass", 1e-7)
     assert summary["coupling"]["unconverged_steps"] == 0
     assert solved == [True] * 3  # in the third iteration of every step
@@ -80,7 +83,7 @@ def test_the_surrogate_leads_to_the_same_motion(best, tmp_path, monkeypatch):
     assert np.abs(one - other).max() < 10 * TOLERANCE * np.abs(one - one[0]).max()
 
 
-@pytest.mark.parametrize("method", ["added_mass", "solve"])
+@pytest.mark.parametrize("method", ["liquid_inertia", "solve"])
 def test_where_the_flow_has_no_mesh_half_the_way_is_taken(best, tmp_path, monkeypatch, method):
     # Of the map where the step begins, or of its first iterate.
     way = {}
@@ -112,7 +115,7 @@ def test_a_step_that_fails_is_taken_in_parts(tmp_path, monkeypatch):
     solve = OpenFoamFlow.solve
 
     def too_long(flow, points):
-        if flow.dt > 0.005:
+        if flow.step.dt > 0.005:
             raise StepFailed("too long")
         return solve(flow, points)
 
@@ -135,7 +138,7 @@ def test_a_step_that_fails_is_taken_in_parts(tmp_path, monkeypatch):
 @pytest.mark.usefixtures("alive")
 def test_a_step_that_fails_in_all_parts_ends_the_run(tmp_path, monkeypatch):
     def never(flow, points):
-        raise StepFailed(f"{flow.dt} s is too long")
+        raise StepFailed(f"{flow.step.dt} s is too long")
 
     monkeypatch.setattr(OpenFoamFlow, "solve", never)
     summary = run(scene_from(SCENE), tmp_path)

@@ -7,8 +7,8 @@ from scipy.special import jnp_zeros
 
 from cloth.material import diaphragm
 from coupling.estimate.sloshing_modes import covered_eigenvalue, lateral_eigenvalue
-from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
 from coupling.finite_volume.geometry import cell_geometry
+from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import half_ball
 from coupling.verify import CaseError, run_case
 from coupling.verify.cylinder import Tank
@@ -135,7 +135,7 @@ def test_momentum_of_the_potential_liquid_within_the_error_of_its_triangles():
 
 
 def operator_error(cells):
-    """Of omega^2 R/g, by the discrete added mass of this grid alone: no step, no solver."""
+    """Of omega^2 R/g, by the discrete inertia of this grid alone: no step, no solver."""
     mesh = half_ball(cells)
     size = (2 * np.pi / 3 / cell_geometry(mesh, mesh.points).volume.sum()) ** (1 / 3)
     geometry = cell_geometry(mesh, size * mesh.points)
@@ -218,7 +218,7 @@ def test_cylinder_with_openfoam_within_grid_and_step_error():
     mesh = prism_mesh(cells, 1.0)
     tank = Tank(tension=100.0, order=1, wave_number=jnp_zeros(1, 1)[0] / RADIUS, depth=1.0)
     top = RADIUS * mesh.points[mesh.patch_points]
-    rows = added_mass(
+    rows = LiquidInertia.of(
         NeumannLaplacian(mesh, cell_geometry(mesh, RADIUS * mesh.points)), top, DENSITY
     ).rows
     in_space = tank.surface(top, mesh.patch_faces).mode(tank.shape(top), rows)[0]

@@ -1,4 +1,4 @@
-"""The spring piston on a column of liquid: the added mass, and which schemes bear it."""
+"""The spring piston on a column of liquid: the liquid's inertia, and which schemes bear it."""
 
 import numpy as np
 import pytest

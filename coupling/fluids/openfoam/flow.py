@@ -13,28 +13,16 @@ from pathlib import Path
 
 import numpy as np
 
-from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
 from coupling.finite_volume.following import FollowingMesh
-from coupling.finite_volume.geometry import CellGeometry
-from coupling.finite_volume.gradients import wall_pressure
+from coupling.finite_volume.liquid_inertia import LiquidInertia
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.rates import FluxRate
 from coupling.finite_volume.wall import cell_distance, wall_flow
+from coupling.fluids.openfoam.flow_step import FlowSettings, FlowSolution, FlowStep
 from coupling.fluids.openfoam.sample import flow_sample
 from coupling.foam.keepalive import case_of
 from coupling.foam.process import OpenFoam
-from coupling.ports import (
-    AddedMass,
-    AnyArray,
-    Array,
-    Cause,
-    FlowSample,
-    Ints,
-    RunFailed,
-    StepFailed,
-)
-
-CLOSURE = 1e-12  # of the liquid's volume: what a solver call may miss, as OpenFOAM sums it
+from coupling.ports import AnyArray, Array, FlowSample, Ints, RunFailed
 
 
 class OpenFoamFlow:
@@ -54,13 +42,20 @@ class OpenFoamFlow:
         density: float,
         viscosity: float,
         timeout: float,
+        settings: FlowSettings | None = None,
     ) -> None:
+        self.settings = settings or FlowSettings()
         self.mesh = mesh
         self.case = case_of(folder, mesh, openfoam=openfoam, timeout=timeout)
         self.density, self.viscosity = density, viscosity
         self.faces: Ints = mesh.patch_faces
         self._following = FollowingMesh(mesh, radius)
-        self.time = 0.0
+        self._initial = self._following.patch, self._following.shell  # at rest
+        self._moving, self._sliding = self._rates()
+        self._pressure_before = np.zeros(len(self.faces))  # p* on them a step ago [Pa]
+        self.time, self._previous_dt = 0.0, 0.0  # the latter of the step before, 0 at the start
+        self._step: FlowStep | None = None
+        self._solution: FlowSolution | None = None
         self._kept: set[float] = {0.0}
         self._shown: set[float] = set()  # times whose fields somebody asked for
 
@@ -100,110 +95,108 @@ class OpenFoamFlow:
 
     def _place(self, patch: Array, shell: Array) -> None:
         """The state of a liquid at rest."""
-        self.time, self._previous_dt = 0.0, 0.0  # the latter of the step before, 0 at the start
-        self._initial = (patch, shell)
+        self.time, self._previous_dt = 0.0, 0.0
+        self._initial = patch, shell
         self._following.place(patch, shell)
-        self._moving = FluxRate(len(self.faces))
-        self._sliding = FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
-        self._pressure_before = np.zeros(len(self.faces))  # p* on them a step ago [Pa]
+        self._moving, self._sliding = self._rates()
+        self._pressure_before = np.zeros(len(self.faces))
 
-    def begin_step(self, time: float, dt: float, shell: Array | None = None) -> None:
+    def _rates(self) -> tuple[FluxRate, FluxRate]:
+        """Of the diaphragm's fluxes, and of those that sliding makes on all boundary faces."""
+        return FluxRate(len(self.faces)), FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
+
+    def begin_step(
+        self, time: float, dt: float, *, shell: Array | None = None, start: Array | None = None
+    ) -> None:
         """Start a step of ``dt`` [s] from the committed fields at ``time`` [s].
 
-        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
-        """
-        # As the case names its folders: the next step starts where this ends, digit for digit.
-        self.time, self._end, self.dt = round(time, 11), round(time + dt, 11), dt
-        self._moment = f"t = {self._end:.6g} s"
-        self._following.begin_step(shell)
-        self._laplacian: NeumannLaplacian | None = None  # where the step is expected to end
-        self._rate: Array | None = None  # of the fluxes that sliding makes (B,) [m^3/s^2]
-
-    def slide(self, points: Array) -> None:
-        """Take ``points`` (p, 3) [m] for where the interface's points, slid along, start the step.
-
-        A map that changes between two steps takes the patch from one set of facets on the same
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay. ``start``
+        (p, 3) [m]: where the interface's points, slid along, start it, None where they do not: a
+        map that changes between two steps takes the patch from one set of facets on the same
         sheet to another. The solver sees a motion there and answers with its inertia, which the
         sheet must not feel.
         """
-        swept = self._following.slid(points)
-        self._rate = self._sliding(swept, self.dt, self._previous_dt)
-        self._undue: Array | None = None
+        self._following.begin_step(shell)
+        sliding = None
+        if start is not None:
+            sliding = self._sliding(self._following.slid(start), dt, self._previous_dt)
+        # As the case names its folders: the next step starts where this ends, digit for digit.
+        self.time = round(time, 11)
+        self._step = FlowStep(
+            mesh=self.mesh, density=self.density, start=self.time, end=round(time + dt, 11), dt=dt,
+            previous_dt=self._previous_dt, sliding=sliding,
+        )  # fmt: skip
 
-    def close_volume(self, points: Array) -> Array:
-        """``points`` (p, 3) shifted along their normals until the volume is the start's."""
-        return self._following.close_volume(points)
+    @property
+    def step(self) -> FlowStep:
+        """The step that has begun."""
+        if self._step is None:
+            raise RuntimeError("flow: begin_step comes first.")
+        return self._step
+
+    def close_volume(self, points: Array, shell: Array | None = None) -> Array:
+        """``points`` (p, 3) shifted along their normals until the volume is the start's.
+
+        With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
+        """
+        return self._following.close_volume(points, shell)
 
     def solve(self, points: Array) -> Array:
         """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
-        swept = self._following.follow(points, self._moment)
-        missed = abs(swept.sum()) / self.volume
-        if missed > CLOSURE:
-            why = f"the interface changes the liquid's volume by {missed:.1e} of it"
-            raise StepFailed(f"{self._moment}: {why}.", cause=Cause.MESH)
-        pressure, self._velocity = self.case.advance(
-            self.time, self._end, self._following.points_now
+        step = self.step
+        swept = self._following.follow(points, step.moment)
+        step.refuse_open(swept, self.volume, self.settings)
+        shape = self._following.now
+        pressure, velocity = self.case.advance(step.start, step.end, shape.points)
+        if step.sliding is not None and step.operator is None:
+            self._step = step = step.expected_at(shape.geometry)
+        swept = swept[: self.mesh.diaphragm_faces]
+        rate = self._moving(swept, step.dt, step.previous_dt)
+        self._solution = FlowSolution(
+            velocity=velocity,
+            wall_pressure=step.wall_pressure(shape.geometry, pressure, rate),
+            swept=swept,
         )
-        self._swept = swept[: self.mesh.diaphragm_faces]
-        rate = self._moving(self._swept, self.dt, self._previous_dt)
-        self._boundary_pressure = self._on_walls(pressure, rate)
-        self._face_pressure = self._boundary_pressure[: len(rate)]
-        return self._face_pressure
+        return self._solution.face_pressure
 
     def inertial_pressure(self, points: Array) -> Array:
         """What ``solve``, which comes again before the end, would say of inertia alone (F,)."""
-        swept = self._following.follow(points, self._moment)[: self.mesh.diaphragm_faces]
-        rate = self._moving(swept, self.dt, self._previous_dt)
-        rest = len(self.mesh.faces) - self.mesh.diaphragm.stop
-        shell = np.zeros(rest) if self._rate is None else self._rate[-rest:]
-        laplacian = NeumannLaplacian(self.mesh, self._now)
-        cells = laplacian.pressure(np.concatenate([rate, shell]))
-        return self._on_walls(cells, rate)[: len(rate)]
+        step = self.step
+        swept = self._following.follow(points, step.moment)[: self.mesh.diaphragm_faces]
+        rate = self._moving(swept, step.dt, step.previous_dt)
+        return step.inertial_pressure(self._following.now.geometry, rate)
 
-    def _on_walls(self, pressure: Array, rate: Array) -> Array:
-        """p* (B,) [Pa] on the walls of the cells' ``pressure`` (c,) [m^2/s^2], over the density.
-
-        ``rate`` (F,) [m^3/s^2]: of the diaphragm's fluxes. What sliding points ask of the pressure
-        is taken off.
-        """
-        if self._rate is not None:
-            if self._undue is None:
-                laplacian = self._laplacian or NeumannLaplacian(self.mesh, self._now)
-                self._undue = laplacian.pressure(self._rate)
-            pressure, rate = pressure - self._undue, rate - self._rate[: len(rate)]
-        return self.density * wall_pressure(self.mesh, self._now, pressure, rate)
-
-    @property
-    def _now(self) -> CellGeometry:
-        return self._following.geometry_now
-
-    def added_mass(self, points: Array) -> AddedMass:
+    def liquid_inertia(self, points: Array) -> LiquidInertia:
         """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
-        self._following.follow(points, self._moment)
-        self._laplacian = NeumannLaplacian(self.mesh, self._now)
-        return added_mass(self._laplacian, points, self.density)
+        self._following.follow(points, self.step.moment)
+        self._step = self.step.expected_at(self._following.now.geometry)
+        assert self._step.operator is not None
+        return LiquidInertia.of(self._step.operator, points, self.density)
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
+        step, solution = self.step, self._solution
+        if solution is None:
+            raise RuntimeError("flow: solve comes first.")
         self._moving.accept_step()
-        if self._rate is not None:
+        if step.sliding is not None:
             self._sliding.accept_step()
         if self.time not in self._kept | self._shown:
             self.case.remove(self.time)
         elif self.time not in self._kept:
             self.case.thin(self.time)
-        self.time, self._previous_dt = self._end, self.dt
+        self.time, self._previous_dt = step.end, step.dt
         walls = wall_flow(
-            self.mesh, self._following.geometry, self._now, self._velocity,
-            dt=self.dt, viscosity=self.density * self.viscosity,
+            self.mesh, self._following.geometry, self._following.now.geometry, solution.velocity,
+            dt=step.dt, viscosity=self.density * self.viscosity,
         )  # fmt: skip
-        work = 0.5 * float((self._pressure_before + self._face_pressure) @ self._swept)
-        self._pressure_before = self._face_pressure
+        work = 0.5 * float((self._pressure_before + solution.face_pressure) @ solution.swept)
+        self._pressure_before = solution.face_pressure
         self._following.accept_step()
         return flow_sample(
             self.mesh, self._following.geometry,
-            density=self.density, velocity=self._velocity, walls=walls, pressure_work=work,
-            boundary_pressure=self._boundary_pressure,
+            density=self.density, velocity=solution.velocity, walls=walls, pressure_work=work,
+            boundary_pressure=solution.wall_pressure,
             volume_error=abs(self._following.excess(self.points)) / self.volume,
             continuity_error=self.case.continuity,
             non_orthogonality_max=self.non_orthogonality_max,

@@ -55,8 +55,8 @@ def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow,
 
 def start_flow(flow: OpenFoamFlow, mapping: FreePatch, scene: Scene, cloth: Structure) -> None:
     """Put the flow at rest below the settled ``cloth``, whose surface is left beside its mesh."""
-    shell = mapping.begin_step(cloth.state, 0.0, cloth.state.position)
-    flow.start(mapping.to_flow(cloth.state.position), shell, scene.liquid_volume)
+    at_rest = mapping.begin_step(cloth.state, 0.0, cloth.state.position)
+    flow.start(at_rest.to_flow(cloth.state.position), at_rest.shell, scene.liquid_volume)
     surface = flow.case.folder / "constant" / "triSurface" / "diaphragm.stl"
     surface.parent.mkdir()
     triangles = [("triangle", cloth.triangles)]
@@ -76,7 +76,8 @@ class OpenFoamStep:
         _log.info("flow solver: %s", self.solver)
         kind = SCHEMES[scene.coupling.scheme]
         self.coupled = CoupledStep(
-            cloth, self.flow, self.mapping, kind.of(scene.coupling), added_mass=kind.takes_inertia,
+            cloth, self.flow, self.mapping, kind.of(scene.coupling),
+            liquid_inertia=kind.takes_inertia,
             convergence=Convergence(
                 tolerance=scene.coupling.tolerance,
                 acceleration=float(np.linalg.norm(scene.gravity)),

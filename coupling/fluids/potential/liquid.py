@@ -19,7 +19,7 @@ from coupling.fluids.potential.ritz import (
     hemisphere_samples,
     lower_hemisphere,
 )
-from coupling.interface.contact_curve import REACH
+from coupling.interface.contact_curve import ContactSettings
 from coupling.ports import Array, Ints, LiquidSample
 
 
@@ -86,7 +86,7 @@ class PotentialLiquid:
     def _free(self, points: Array) -> NDArray[np.bool_]:
         """Triangles (m,) that are off the shell, all of them where none is."""
         gap = 1.0 - np.linalg.norm(points, axis=1) / self.ritz.harmonics.radius
-        free = (gap > REACH)[self.ritz.triangles].any(axis=1)
+        free = (gap > ContactSettings().reach)[self.ritz.triangles].any(axis=1)
         return np.asarray(free if free.any() else ~free)
 
     def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:

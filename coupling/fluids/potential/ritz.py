@@ -78,7 +78,7 @@ class RitzShape:
     flux: Array
 
     def rows(self) -> Array:
-        """Rows B (k - 1, n, 3) [kg^(1/2)] of the added mass M = B^T B: T = |B v|^2/2."""
+        """Rows B (k - 1, n, 3) [kg^(1/2)] of the liquid's inertia M = B^T B: T = |B v|^2/2."""
         scaled = np.sqrt(self.liquid.density) * self.inverse.T @ self.flux.T
         return np.asarray(scaled).reshape(len(scaled), -1, 3)
 

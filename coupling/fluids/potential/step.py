@@ -1,7 +1,7 @@
 """One step of the diaphragm with an inviscid liquid: solved as one system, no coupling iteration.
 
-The liquid's added mass stands in the diaphragm's own inertia. What is iterated is the shape alone
-that the added mass belongs to, and only where the step moves the diaphragm far.
+The liquid's inertia stands in the diaphragm's own inertia. What is iterated is the shape alone
+that inertia belongs to, and only where the step moves the diaphragm far.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -25,15 +26,26 @@ from coupling.ports import (
     StepReport,
 )
 
-SHAPE = 0.01  # rms distance over R of a step's end from its shape, above which it is taken again
-GAIN = 0.02  # of kinetic energy and work together: what time stepping may add in a step
-MOST = 0.75  # of it: what may be taken back after one
 # Committed arrays: nodes now and a step ago, the potential likewise.
 _NAMES = (
     "position", "velocity", "coefficient",
     "previous_position", "previous_velocity", "previous_coefficient", "previous_dt",
     "force", "energy", "removed",
 )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class PotentialSettings:
+    """Constants of the potential step.
+
+    ``shape``: rms distance over R of a step's end from its shape above which it is taken again.
+    ``gain``: share of kinetic energy and work together that time stepping may add in a step.
+    ``most``: share of the kinetic energy that may be taken out after one.
+    """
+
+    shape: float = 0.01
+    gain: float = 0.02
+    most: float = 0.75
 
 
 class PotentialStep:
@@ -45,15 +57,22 @@ class PotentialStep:
     its first part in the solve; the kinetic part is that of the extrapolated potential.
 
     Where the sheet snaps taut or slams, a step is too long for that, and may make energy. What the
-    liquid gains beyond the sheet's work, and beyond ``GAIN``, is taken out of its potential again.
+    liquid gains beyond the sheet's work, and beyond ``settings.gain``, is taken out of its
+    potential again.
     """
 
     solver: str | None = None
     halvable = True
 
     def __init__(
-        self, structure: IterativeStructure, liquid: PotentialLiquid, *, radius: float
+        self,
+        structure: IterativeStructure,
+        liquid: PotentialLiquid,
+        *,
+        radius: float,
+        settings: PotentialSettings | None = None,
     ) -> None:
+        self.settings = settings or PotentialSettings()
         self.structure, self.liquid = structure, liquid
         self.radius = radius
         self._seconds = dict.fromkeys(("structure", "fluid"), 0.0)
@@ -64,12 +83,14 @@ class PotentialStep:
         still = state.position, np.zeros_like(state.position), none
         rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1)
         self._now: dict[str, Array] = dict(zip(_NAMES, (*still, *still, *rest), strict=True))
+        self._next = self._now
+        self._sample: LiquidSample | None = None  # of the last attempt
 
     def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
         """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError.
 
-        A shape missed by more than ``SHAPE`` even the second time is no failure, since the first,
-        extrapolated one is of second order; ``report`` says by how much.
+        A shape missed by more than ``settings.shape`` even the second time is no failure, since the
+        first, extrapolated one is of second order; ``report`` says by how much.
         """
         try:
             self._solve(dt, load)
@@ -103,7 +124,7 @@ class PotentialStep:
             self._shapes += 1
             missed = np.mean(np.sum((end - points) ** 2, axis=1))
             self._residual = float(np.sqrt(missed)) / self.radius
-            if last or self._residual <= SHAPE:
+            if last or self._residual <= self.settings.shape:
                 break
             points = end
         with self._timed("fluid"):
@@ -114,7 +135,8 @@ class PotentialStep:
             work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
             energy = shape.kinetic_energy(velocity)
             gain = energy + work - float(now["energy"][0])
-            excess = min(max(gain - GAIN * (energy + abs(work)), 0.0), MOST * energy)
+            excess = max(gain - self.settings.gain * (energy + abs(work)), 0.0)
+            excess = min(excess, self.settings.most * energy)
             kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
             self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient, work=work)
             self._next = {
@@ -151,6 +173,7 @@ class PotentialStep:
 
     def accept(self) -> None:
         """Commit the last attempt."""
+        assert self._sample is not None, "attempt comes first"
         self.structure.accept_step()
         self._now = self._next
         self._samples.append(self._sample)

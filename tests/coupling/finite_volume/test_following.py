@@ -51,11 +51,11 @@ def test_a_sliding_shell_is_closed_too(following):
 def test_later_iterations_follow_linearly(following):
     one, two = tilted(following, 0.1), tilted(following, 0.2)
     following.follow(one, "now")
-    first = following.points_now
+    first = following.now.points
     following.follow(two, "now")
-    second = following.points_now
+    second = following.now.points
     following.follow(0.5 * (one + two), "now")
-    assert np.abs(following.points_now - 0.5 * (first + second)).max() < 1e-12
+    assert np.abs(following.now.points - 0.5 * (first + second)).max() < 1e-12
 
 
 def test_a_folded_mesh_is_made_anew(following):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
 from coupling.finite_volume.geometry import cell_geometry
+from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.potential.harmonics import SolidHarmonics
 from coupling.fluids.potential.ritz import RitzLiquid, cap_samples, lower_hemisphere, wall_integral
@@ -70,7 +70,7 @@ def test_kinetic_energy_agrees_with_the_finite_volumes():
         points = mesh.points[mesh.patch_points]
         x, y, _ = points.T
         heights = np.array([x, x * y, x**2 - y**2, x**3])
-        volumes = added_mass(
+        volumes = LiquidInertia.of(
             NeumannLaplacian(mesh, cell_geometry(mesh, mesh.points)), points, DENSITY
         )
         ours, theirs = (

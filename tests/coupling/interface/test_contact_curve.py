@@ -5,8 +5,8 @@ import pytest
 
 from cloth.mesh import hemisphere
 from coupling.interface.contact_curve import (
-    REACH,
     ContactSearch,
+    ContactSettings,
     Smooth,
     solid_angles,
     upright_frame,
@@ -47,7 +47,7 @@ def test_edge_is_where_the_sheet_leaves_the_shell(sheet, edge, up):
     # rises by sin(edge) cos(edge) an angle, as the sheet is laid here.
     slope = np.sin(np.radians(edge)) * np.cos(np.radians(edge))
     assert found.max() < edge + 1.9
-    assert found.min() > edge - 1.9 - np.degrees(REACH / slope)
+    assert found.min() > edge - 1.9 - np.degrees(ContactSettings().reach / slope)
     assert np.ptp(found) < 0.2
 
 

@@ -8,10 +8,13 @@ from cloth.mesh import hemisphere
 from coupling.finite_volume.mesh import half_ball
 from coupling.interface.mapping import (
     Matching,
+    Support,
     least_norm_weights,
     moving_least_squares,
     moving_quadratics,
 )
+
+NARROW, WIDE = Support(reach=1.3, least=12), Support(reach=1.8, least=20)
 
 
 @pytest.fixture(params=[8, 16])
@@ -24,7 +27,7 @@ def pair(request):
     target = np.stack(
         [np.sin(reach) * np.cos(azimuth), np.sin(reach) * np.sin(azimuth), np.cos(reach)], axis=1
     )
-    return cloth, target, moving_least_squares(cloth.points, target)
+    return cloth, target, moving_least_squares(cloth.points, target, NARROW)
 
 
 def test_weights_against_their_definition():
@@ -61,7 +64,7 @@ def test_what_is_linear_in_the_tangent_plane_is_reproduced(pair):
 
 def test_quadratics_in_the_tangent_plane_are_reproduced_where_asked(pair):
     cloth, target, plain = pair
-    weights = moving_quadratics(cloth.points, target)
+    weights = moving_quadratics(cloth.points, target, WIDE)
     across, along = np.zeros_like(target), np.zeros_like(target)
     across[:, 0] = 1.0
     across -= np.sum(across * target, axis=1)[:, None] * target
@@ -85,14 +88,15 @@ def test_rows_move_smoothly_with_their_target(pair):
     cloth, target, weights = pair
     turn = 1e-7
     moved = target @ np.array([[1.0, 0.0, -turn], [0.0, 1.0, 0.0], [turn, 0.0, 1.0]])
-    change = np.abs(moving_least_squares(cloth.points, moved) - weights).max()
+    change = np.abs(moving_least_squares(cloth.points, moved, NARROW) - weights).max()
     assert change < 1e2 * turn  # a weight goes from 0 to 1 over a spacing, some 0.1
 
 
 def test_matching_changes_nothing():
     values = np.arange(12.0).reshape(4, 3)
     matching = Matching()
-    assert matching.begin_step(None, 0.1, np.zeros((3, 3))) is None
+    assert matching.begin_step(None, 0.1, np.zeros((3, 3))) is matching
+    assert matching.shell is None
     assert matching.to_flow(values) is values
     assert matching.to_cloth(values) is values
     assert (matching.rows_to_cloth(values[None]) == values).all()

@@ -7,7 +7,7 @@ from coupling.scene.numerics import Coupling
 from coupling.schemes import SCHEMES
 from coupling.schemes.aitken import Aitken
 from coupling.schemes.fixed_point import FixedPoint
-from coupling.schemes.iqn_ils import IqnIls
+from coupling.schemes.iqn_ils import IqnIls, IqnIlsSettings
 
 
 def iterate(scheme, matrix, offset, x, count, tolerance=0.0):
@@ -82,9 +82,8 @@ def random_problem(dimension, seed=0):
 def test_iqn_ils_needs_no_more_than_the_dimension(dimension):
     # k residual differences span the space: after the first, relaxed, update k + 1 more suffice.
     matrix, offset = random_problem(dimension)
-    norms, x = iterate(
-        IqnIls(0.1, 0, filtering=1e-6), matrix, offset, np.zeros(dimension), dimension + 3, 1e-9
-    )
+    scheme = IqnIls(0.1, 0, settings=IqnIlsSettings(filtering=1e-6))
+    norms, x = iterate(scheme, matrix, offset, np.zeros(dimension), dimension + 3, 1e-9)
     assert norms[-1] <= 1e-9
     assert len(norms) <= dimension + 2  # residuals: the first one, and one an update
     assert x == pytest.approx(np.linalg.solve(np.eye(dimension) - matrix, offset), abs=1e-8)

@@ -9,7 +9,7 @@ from coupling.foam.process import ended
 from coupling.ports import Cause, RunFailed, StepFailed
 from coupling.scene.scene import Scene, with_overrides
 from coupling.simulation.mends import with_mend
-from coupling.step.divergence import diverged
+from coupling.step.divergence import diverged_at
 
 
 def scene(*changes: str) -> Scene:
@@ -17,20 +17,20 @@ def scene(*changes: str) -> Scene:
 
 
 def test_added_mass_that_diverges_is_not_told_to_take_added_mass():
-    said = with_mend(diverged(0.1, [2.0, 5e3]), scene(), "keep-alive")
+    said = with_mend(diverged_at(0.1, [2.0, 5e3]), scene(), "keep-alive")
     assert "the coupling diverges" in said
     assert "added-mass" not in said
     assert "Halve time.step (it is 0.02 s), or take model.fluid = 'potential'" in said
 
 
 def test_another_scheme_that_diverges_is_told_to_take_added_mass():
-    said = with_mend(diverged(0.1, [2.0]), scene("coupling.scheme=aitken"), "keep-alive")
+    said = with_mend(diverged_at(0.1, [2.0]), scene("coupling.scheme=aitken"), "keep-alive")
     assert "Take coupling.scheme = 'added-mass', or halve time.step" in said
 
 
 def test_a_restarted_solver_is_told_what_takes_steps_in_parts():
-    assert "edt build-solver" in with_mend(diverged(0.1, [2.0]), scene(), "restart")
-    assert "edt build-solver" not in with_mend(diverged(0.1, [2.0]), scene(), "keep-alive")
+    assert "edt build-solver" in with_mend(diverged_at(0.1, [2.0]), scene(), "restart")
+    assert "edt build-solver" not in with_mend(diverged_at(0.1, [2.0]), scene(), "keep-alive")
 
 
 def test_a_table_has_no_amplitude_to_lower():

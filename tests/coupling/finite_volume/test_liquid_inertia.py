@@ -1,14 +1,14 @@
-"""The discrete added mass: symmetric, positive, blind to a net flux, and exact in the limit."""
+"""The discrete inertia: symmetric, positive, blind to a net flux, and exact in the limit."""
 
 import numpy as np
 import pytest
 from laplacian_reference import laplacian, on_walls, pressure_beside_walls
 from scipy.linalg import eigh
 
-from coupling.finite_volume.added_mass import NeumannLaplacian, added_mass
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.gradients import gradients, wall_distance
 from coupling.finite_volume.laplacian import eliminated
+from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import half_ball
 from coupling.finite_volume.swept import swept_gradient
 
@@ -76,7 +76,7 @@ def test_trace_against_its_definition():
 
 def test_rows_factor_the_operator(level):
     mesh, geometry, patch = level
-    rows = added_mass(NeumannLaplacian(mesh, geometry), patch, DENSITY).rows
+    rows = LiquidInertia.of(NeumannLaplacian(mesh, geometry), patch, DENSITY).rows
     faces = mesh.patch_faces
     flux = np.zeros((len(faces), *patch.shape))
     np.add.at(flux, (np.arange(len(faces))[:, None], faces), swept_gradient(patch[faces]))
@@ -90,10 +90,10 @@ def test_rows_factor_the_operator(level):
     assert np.abs(flat.T @ flat - expected).max() < 1e-10 * np.abs(expected).max()
 
 
-def test_uniform_lift_has_no_added_mass(level):
+def test_uniform_lift_has_no_inertia(level):
     # It is the volume constraint's business: a mean pressure is removed, and a net flux too.
     mesh, geometry, patch = level
-    rows = added_mass(NeumannLaplacian(mesh, geometry), patch, DENSITY).rows
+    rows = LiquidInertia.of(NeumannLaplacian(mesh, geometry), patch, DENSITY).rows
     lift = np.zeros_like(patch)
     lift[:, 2] = 1.0
     tilt = lift * patch[:, :1]

@@ -1,4 +1,4 @@
-"""The liquid's added mass, by the finite-volume Neumann Laplacian of the flow's own mesh.
+"""The liquid's inertia on its interface, by the Neumann Laplacian of the flow's own mesh.
 
 The operator answers what OpenFOAM answers to an acceleration of the diaphragm from rest: the same
 cells, the same face coefficients (``Gauss linear corrected``), the same wall pressure. A coupling
@@ -7,10 +7,12 @@ under-estimate of any short wave would diverge. Only what ``skewCorrected`` adds
 of non-orthogonal fluxes is left out, half a per cent: it would take a third layer of neighbours.
 OpenFOAM's answer on the wall is not quite symmetric, by 1 per cent of its norm on a bent mesh; the
 structure takes the symmetric part, and the rest is iterated. Where the walls' library has not been
-built, OpenFOAM lacks the walls' own pressure that is computed here, by some per cent.
+built, OpenFOAM lacks the walls' own pressure that is part of this operator, some per cent of it.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -19,8 +21,8 @@ from coupling.finite_volume.geometry import CellGeometry
 from coupling.finite_volume.gradients import gradients, wall_distance
 from coupling.finite_volume.laplacian import SYMMETRIC, eliminated, wall_layer, wall_source
 from coupling.finite_volume.mesh import LiquidMesh
-from coupling.finite_volume.swept import swept_gradient
-from coupling.ports import AddedMass, Array
+from coupling.finite_volume.swept import swept_rows
+from coupling.ports import Array
 
 
 class NeumannLaplacian:
@@ -88,20 +90,39 @@ class NeumannLaplacian:
         return pressure
 
 
-def added_mass(laplacian: NeumannLaplacian, patch: Array, density: float) -> AddedMass:
-    """The liquid's inertia on the diaphragm's points ``patch`` (p, 3), where the cells are.
+@dataclass(frozen=True, kw_only=True)
+class LiquidInertia:
+    """A liquid's inertia M_a = B^T B on its interface, at one shape of it: see the port.
 
-    Means over the interface are removed on both sides: a uniform pressure is the volume
-    constraint's business. ``density`` [kg/m^3]. Exact factor of the discrete operator to rounding.
+    ``rows`` B = L C (r, p, 3) [kg^(1/2)] on the points; ``factor`` L (r, F) [kg^(1/2)/m^2] on the
+    faces; C is the faces' swept volume per displacement. Uniform pressures are left out.
     """
-    mesh, geometry = laplacian.mesh, laplacian.geometry
-    area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
-    mean = np.eye(len(area)) - np.outer(np.ones(len(area)), area / area.sum())
-    operator = density * mean @ laplacian.trace() @ mean.T
-    value, vector = np.linalg.eigh(0.5 * (operator + operator.T))
-    kept = value > 1e-12 * value[-1]
-    factor = (vector[:, kept] * np.sqrt(value[kept])).T  # (r, F)
-    gradient = swept_gradient(patch[mesh.patch_faces])  # (F, 4, 3)
-    flux = np.zeros((len(area), len(patch), 3))
-    np.add.at(flux, (np.arange(len(area))[:, None], mesh.patch_faces), gradient)
-    return AddedMass(rows=np.tensordot(factor, flux, axes=1), factor=factor)
+
+    rows: Array
+    factor: Array
+
+    @classmethod
+    def of(cls, laplacian: NeumannLaplacian, patch: Array, density: float) -> LiquidInertia:
+        """That on the diaphragm's points ``patch`` (p, 3) [m], where the cells are.
+
+        Means over the interface are removed on both sides: a uniform pressure is the volume
+        constraint's business. ``density`` [kg/m^3]. Exact factor of the discrete operator to
+        rounding.
+        """
+        mesh, geometry = laplacian.mesh, laplacian.geometry
+        area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
+        mean = np.eye(len(area)) - np.outer(np.ones(len(area)), area / area.sum())
+        operator = density * mean @ laplacian.trace() @ mean.T
+        value, vector = np.linalg.eigh(0.5 * (operator + operator.T))
+        kept = value > 1e-12 * value[-1]
+        factor = (vector[:, kept] * np.sqrt(value[kept])).T  # (r, F)
+        swept = swept_rows(patch, mesh.patch_faces)
+        return cls(rows=np.tensordot(factor, swept, axes=1), factor=factor)
+
+    def force(self, acceleration: Array) -> Array:
+        """M_a a (p, 3) [N] of accelerations (p, 3) [m/s^2]: what has to push the liquid."""
+        return np.tensordot(np.tensordot(self.rows, acceleration, 2), self.rows, 1)
+
+    def pressure(self, acceleration: Array) -> Array:
+        """The same as pressures (F,) [Pa] on the faces."""
+        return np.asarray(self.factor.T @ np.tensordot(self.rows, acceleration, 2))

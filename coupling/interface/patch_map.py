@@ -1,0 +1,108 @@
+"""One step's map from the diaphragm's nodes to the points of the flow's patch, fixed and linear.
+
+Interpolation alone would lose volume where the patch is coarser than the sheet's waves, and all of
+it in the strip between a fixed rim and the points next to it. Within a step every node therefore
+displaces exactly the volume that its own triangles sweep: what interpolation misses lifts the patch
+beside it, and at the rim climbs the shell. In return a node bears the pressure on its own area.
+Only where faces are pressed together, at the bottom of a crease, is it less of both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from coupling.finite_volume.swept import cross, swept_gradient
+from coupling.interface.mapping import Support, moving_least_squares
+from coupling.ports import Array, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lift:
+    """How the patch rises by the volume that interpolation misses of the sheet's.
+
+    ``way`` (p, 3): unit vectors along which points rise, ``opened`` (p,) [m^2]: the volume that
+    this opens per length; ``missed`` (n, 3) [m^2]: volume per displacement of every node that
+    interpolation misses; ``shares`` (n, p): to which points it goes.
+    """
+
+    way: Array
+    opened: Array
+    missed: Array
+    shares: Array
+
+    def heights(self, displacement: Array) -> Array:
+        """By how much the points rise (p,) [m] for nodes displaced by ``displacement`` (n, 3)."""
+        missed = np.einsum("nx,nx->n", self.missed, displacement)
+        return np.asarray((self.shares.T @ missed) / self.opened)
+
+    def transpose(self, rows: Array) -> Array:
+        """Rows (r, n, 3) on the nodes of rows (r, p, 3) on the points."""
+        pressure = np.einsum("rpx,px->rp", rows, self.way) / self.opened
+        return np.asarray((pressure @ self.shares.T)[:, :, None] * self.missed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PatchMap:
+    """What maps the sheet to the patch in one step.
+
+    ``shell`` (s, 3) [m]: where the shell's points end the step. ``nodes`` (n, 3) [m]: where the
+    sheet's are expected then; ``weights`` N (p, n) and ``offset`` (p, 3) [m] put the patch there.
+    ``face_directions`` (F, 3) and ``node_directions`` (n, 3): the patch's faces and the nodes,
+    as far as they lie within the contact curve, on the unit hemisphere, with the ``support`` of
+    the weights between them.
+    """
+
+    shell: Array
+    nodes: Array
+    weights: Array
+    offset: Array
+    lift: Lift
+    face_directions: Array
+    node_directions: Array
+    support: Support
+
+    def to_flow(self, nodes: Array) -> Array:
+        """Flow points (p, 3) [m] of cloth nodes (n, 3) [m]."""
+        height = self.lift.heights(nodes - self.nodes)
+        points: Array = self.weights @ nodes + self.offset + height[:, None] * self.lift.way
+        return points
+
+    def to_cloth(self, force: Array) -> Array:
+        """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
+        nodal: Array = self.rows_to_cloth(force[None])[0]
+        return nodal
+
+    def rows_to_cloth(self, rows: Array) -> Array:
+        """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
+        flat = rows.transpose(1, 0, 2).reshape(len(self.weights), -1)  # one large product
+        through = (self.weights.T @ flat).reshape(-1, len(rows), 3).transpose(1, 0, 2)
+        return np.ascontiguousarray(through + self.lift.transpose(rows))
+
+    def to_nodes(self, values: Array) -> Array:
+        """Values (n,) at the nodes of ``values`` (F,) on the patch's faces.
+
+        Where the sheet lies on the shell they are those of the contact curve beside it.
+        """
+        return np.asarray(self._node_weights @ values)
+
+    @cached_property
+    def _node_weights(self) -> Array:
+        return moving_least_squares(self.face_directions, self.node_directions, self.support)
+
+
+def patch_area(points: Array, faces: Ints) -> Array:
+    """Swept volume per displacement (p, 3) [m^2] of the patch's ``points`` (p, 3) [m]."""
+    area = np.zeros_like(points)
+    np.add.at(area, faces, swept_gradient(points[faces]))
+    return area
+
+
+def node_area(nodes: Array, triangles: Ints) -> Array:
+    """The same (n, 3) [m^2] of the sheet's ``nodes`` (n, 3) [m]: a third of their triangles'."""
+    area = np.zeros_like(nodes)
+    a, b, c = (nodes[triangles[:, k]] for k in range(3))
+    np.add.at(area, triangles, (cross(b - a, c - a) / 6.0)[:, None])
+    return area

@@ -1,0 +1,40 @@
+"""When a step's map leads astray, and is made anew for where the structure has come to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from coupling.step.convergence import Convergence
+from coupling.step.history import History
+
+
+@dataclass(frozen=True, kw_only=True)
+class RemapSettings:
+    """Constants of the remapping.
+
+    ``slow``: iterations on a map before its rate is judged; it leads astray where they have come
+    less than half the way, in orders of magnitude (``Convergence.is_far``). ``maps``: of a step,
+    at most; with 1 the map of the step's start is kept.
+    """
+
+    slow: int = 8
+    maps: int = 3
+
+
+class Remap:
+    """The map of a step is that of where the diaphragm is heading.
+
+    Where the diaphragm does not come to be there, the map leads astray: iterations on it diverge,
+    or get nowhere.
+    """
+
+    def __init__(self, settings: RemapSettings) -> None:
+        self.settings = settings
+
+    def is_due(self, history: History, convergence: Convergence, *, diverged: bool) -> bool:
+        """Whether a step with this ``history`` should go on, on a map made anew."""
+        if len(history.maps) >= self.settings.maps:
+            return False
+        return diverged or (
+            len(history.on_map) > self.settings.slow and convergence.is_far(history.on_map)
+        )
