@@ -116,6 +116,70 @@ def test_the_walk_sees_imports_at_all():
     assert "coupling.simulation.driver" not in set(imported("coupling.api.runs", at_import=True))
 
 
+def classes(tree: ast.AST) -> Iterator[ast.ClassDef]:
+    return (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+
+
+def on_self(node: ast.AST) -> set[str]:
+    """Attributes of ``self`` that are assigned somewhere in ``node``."""
+    return {
+        found.attr
+        for found in ast.walk(node)
+        if isinstance(found, ast.Attribute)
+        and isinstance(found.ctx, ast.Store)
+        and isinstance(found.value, ast.Name)
+        and found.value.id == "self"
+    }
+
+
+def declared(cls: ast.ClassDef) -> set[str]:
+    """What a class has from its ``__init__``, and its own and its dataclass' fields."""
+    names = set()
+    for node in cls.body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names.add(node.target.id)
+        elif isinstance(node, ast.Assign):
+            names |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+        elif isinstance(node, ast.FunctionDef) and node.name == "__init__":
+            names |= on_self(node)
+    return names
+
+
+def born_late(trees: list[ast.AST]) -> list[str]:
+    """Attributes that a method makes which neither the class nor those it is built on declare."""
+    known = {cls.name: cls for tree in trees for cls in classes(tree)}
+
+    def inherited(cls: ast.ClassDef) -> set[str]:
+        bases = (known.get(base.id) for base in cls.bases if isinstance(base, ast.Name))
+        return declared(cls).union(*(inherited(base) for base in bases if base is not None))
+
+    return [
+        f"{cls.name}.{name}"
+        for tree in trees
+        for cls in classes(tree)
+        for name in sorted(on_self(cls) - inherited(cls))
+    ]
+
+
+def test_no_attribute_is_born_outside_init():
+    trees: list[ast.AST] = [ast.parse(file.read_text(encoding="utf-8")) for file in FILES.values()]
+    assert born_late(trees) == []
+
+
+def test_an_attribute_that_is_born_late_is_seen():
+    late = """
+class Base:
+    kept: int
+    def __init__(self): self.own = 1
+class Child(Base):
+    def move(self):
+        self.own, self.kept = 2, 3
+        self.late = 4
+        self.pair, other.late = 5, 6
+"""
+    assert born_late([ast.parse(late)]) == ["Child.late", "Child.pair"]
+
+
 def test_only_one_module_compiles():
     """What is kept on the disk is checked when it is read: by that module alone."""
     for package in ("cloth", "coupling"):

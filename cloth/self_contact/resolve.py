@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,42 +30,60 @@ CROWD = 50  # pairs of triangles per triangle beyond which a motion is hopeless
 DRIFT = 0.5  # of the margin beyond the thickness, that corrections may take before a new search
 
 
-class _Motion:
-    """A step under correction: from ``start`` to ``x`` (n, 3) [m], with its candidate pairs.
+@dataclass(frozen=True, kw_only=True)
+class _Candidates:
+    """What may meet in a motion that ends ``at`` (n, 3) [m]: ``pairs`` (k, 5), ``gaps`` (k,) [m].
 
     ``failed`` (k, 2): triangles that cross at the start, whose pairs are left out. ``crowded``:
-    more triangles may meet than is worth looking at; there are no pairs then.
+    more triangles may meet than is worth looking at; there are no pairs then. ``met`` (k,): which
+    pairs a round of pushing has found to meet.
     """
+
+    at: Array
+    pairs: Ints
+    gaps: Array
+    failed: Ints
+    crowded: bool
+    met: Bools
+
+
+class _Motion:
+    """A step under correction: from ``start`` to ``x`` (n, 3) [m], with its candidate pairs."""
 
     def __init__(self, sheet: SelfContact, start: Array, end: Array, limit: Array) -> None:
         self.sheet, self.start, self.x, self.limit = sheet, start, end.copy(), limit
-        self.search()
+        self.found = self._searched()
+        self.known = False  # that the motion of these pairs is free
 
     def search(self) -> None:
         """Candidates of the present motion."""
-        self.found_at, sheet = self.x.copy(), self.sheet
+        self.found, self.known = self._searched(), False
+
+    def _searched(self) -> _Candidates:
+        sheet = self.sheet
         facing = sheet.approaching(self.start, self.x)
-        self.crowded = len(facing) > CROWD * len(sheet.triangles)
-        self.failed = crossings_among(self.start, sheet.triangles, facing)
-        self.pairs, self.gaps = sheet.candidates(
-            self.start, self.x, facing[:0] if self.crowded else facing
-        )
-        if len(self.failed) and len(self.pairs):
-            kept = ~sheet.belong(self.pairs, self.failed)
-            self.pairs, self.gaps = self.pairs[kept], self.gaps[kept]
-        self.met, self.known = np.zeros(len(self.pairs), dtype=np.bool_), False
+        crowded = len(facing) > CROWD * len(sheet.triangles)
+        failed = crossings_among(self.start, sheet.triangles, facing)
+        pairs, gaps = sheet.candidates(self.start, self.x, facing[:0] if crowded else facing)
+        if len(failed) and len(pairs):
+            kept = ~sheet.belong(pairs, failed)
+            pairs, gaps = pairs[kept], gaps[kept]
+        return _Candidates(
+            at=self.x.copy(), pairs=pairs, gaps=gaps, failed=failed, crowded=crowded,
+            met=np.zeros(len(pairs), dtype=np.bool_),
+        )  # fmt: skip
 
     def drifted(self) -> bool:
         """Whether ``x`` has left the motion whose candidates are known."""
-        drift = np.sum((self.x - self.found_at) ** 2, axis=1).max()
+        drift = np.sum((self.x - self.found.at) ** 2, axis=1).max()
         return bool(drift > self.sheet.drift**2)
 
     def push(self, inverse_mass: Array, rounds: int) -> None:
         """Correct ``x`` until nothing is pushed any more, or the rounds are used up."""
         for _ in range(SEARCHES):
             left = separation_rounds(
-                self.start, self.x, inverse_mass, self.limit, self.pairs, self.gaps,
-                self.sheet.thickness, rounds, self.met,
+                self.start, self.x, inverse_mass, self.limit,
+                self.found.pairs, self.found.gaps, self.sheet.thickness, rounds, self.found.met,
             )  # fmt: skip
             self.known = left == 0
             if self.drifted():
@@ -78,10 +97,10 @@ class _Motion:
             self.search()
         if not self.known:
             separation_rounds(
-                self.start, self.x, np.zeros(len(self.x)), self.limit, self.pairs, self.gaps,
-                self.sheet.thickness, 1, self.met,
+                self.start, self.x, np.zeros(len(self.x)), self.limit,
+                self.found.pairs, self.found.gaps, self.sheet.thickness, 1, self.found.met,
             )  # fmt: skip
-        return np.asarray(self.pairs[self.met, 1:])
+        return np.asarray(self.found.pairs[self.found.met, 1:])
 
 
 class SelfContact:
@@ -151,9 +170,9 @@ class SelfContact:
         bound = np.full(len(end), np.inf) if limit is None else limit
         motion = _Motion(self, start, end, bound)
         rigid, held = np.zeros((2, len(end)), dtype=np.bool_)
-        if motion.crowded:
+        if motion.found.crowded:
             motion.x, held[:] = start.copy(), True
-        elif len(motion.pairs):
+        elif len(motion.found.pairs):
             motion.push(self.inverse_mass, ROUNDS)
             self._make_safe(motion, rigid, held)
         if held.any():
@@ -162,14 +181,14 @@ class SelfContact:
                 held.sum(),
                 len(held),
             )
-        if len(motion.failed):
+        if len(motion.found.failed):
             log.warning(
                 "self-contact: %d pairs of triangles had crossed before the step and may still.",
-                len(motion.failed),
+                len(motion.found.failed),
             )
         return touching(
-            start=start, end=end, position=motion.x, pairs=motion.pairs, thickness=self.thickness,
-            rigid=rigid, held=held, failed=motion.failed,
+            start=start, end=end, position=motion.x, pairs=motion.found.pairs,
+            thickness=self.thickness, rigid=rigid, held=held, failed=motion.found.failed,
         )  # fmt: skip
 
     def _make_safe(self, motion: _Motion, rigid: Bools, held: Bools) -> None:

@@ -43,7 +43,7 @@ def run(scene: Scene, folder: Path, *, progress: Progress | None = None) -> dict
     folder.mkdir(parents=True, exist_ok=True)
     with run_log(folder), process_settings:  # the log first: it marks the folder as a run's
         write_scene(scene, folder)
-        return _Run(scene, folder, progress).from_start()
+        return _Run(scene, folder, progress, None).from_start()
 
 
 def resume(
@@ -66,14 +66,16 @@ def resume(
     if saved is None:
         shutil.rmtree(folder / "foam", ignore_errors=True)  # half made
     with run_log(folder), process_settings:
-        one = _Run(scene, folder, progress)
+        one = _Run(scene, folder, progress, saved)
         return one.from_start() if saved is None else one.from_checkpoint(saved)
 
 
 class _Run:
     """One run: its participants, the loop over their steps, and what is kept of it."""
 
-    def __init__(self, scene: Scene, folder: Path, progress: Progress | None) -> None:
+    def __init__(
+        self, scene: Scene, folder: Path, progress: Progress | None, saved: SavedRun | None
+    ) -> None:
         self.scene, self.folder = scene, folder
         self.content = content_of(scene)
         self.progress = progress or (lambda *_: None)
@@ -81,16 +83,29 @@ class _Run:
         self.tally = self.sides.tally
         self.energy = EnergyBalance(np.asarray(scene.gravity))
         self.burst = burst_warning(scene)
+        self.results = self._begun_results() if saved is None else self._kept_results(saved)
+        self.iterations = (
+            IterationLog(folder)
+            if saved is None
+            else IterationLog.resume(folder, until=saved.step * scene.time.step)
+        )
         self.clock = perf_counter()
 
-    def from_start(self) -> dict[str, Any]:
-        """The whole run; returns the summary."""
-        self.results = ResultsWriter(
+    def _begun_results(self) -> ResultsWriter:
+        return ResultsWriter.create(
             self.folder, scene_toml=self._scene_as_written(), model=self.scene.model.fluid,
             reference=self.sides.cloth.reference, triangles=self.sides.cloth.triangles,
             scene_hash=self.content.digest(),
         )  # fmt: skip
-        self.iterations = IterationLog(self.folder)
+
+    def _kept_results(self, saved: SavedRun) -> ResultsWriter:
+        (self.folder / SUMMARY).unlink(missing_ok=True)  # of the part before
+        return ResultsWriter.resume(
+            self.folder, until=saved.last_output, scene_toml=self._scene_as_written()
+        )
+
+    def from_start(self) -> dict[str, Any]:
+        """The whole run; returns the summary."""
         return self._guarded(self._begin)
 
     def _scene_as_written(self) -> str:
@@ -117,11 +132,6 @@ class _Run:
 
     def from_checkpoint(self, saved: SavedRun) -> dict[str, Any]:
         """The rest of the ``saved`` run; returns the summary."""
-        (self.folder / SUMMARY).unlink(missing_ok=True)  # of the part before
-        self.results = ResultsWriter.resume(
-            self.folder, until=saved.last_output, scene_toml=self._scene_as_written()
-        )
-        self.iterations = IterationLog.resume(self.folder, until=saved.step * self.scene.time.step)
         self.tally.statistics = RunStatistics(**saved.statistics)
         self.clock -= self.tally.statistics.wall_s
 

@@ -70,21 +70,38 @@ _LOSSES = ("bending_damping", "drag", "stretch", "shell_friction", "self_frictio
 _SUMS = ("tank_work", "datum_work", "pressure_work", *_LOSSES, "layer")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """Where the sums set out: the ``moment`` (2, 3) [kg m], and what was ``stored``."""
+
+    moment: Array
+    stored: Stored
+
+
 class EnergyBalance:
     """Energies and works since the start, in a field of ``gravity`` (3,) [m/s^2]."""
 
     def __init__(self, gravity: Array) -> None:
         self.gravity = gravity
         self._sums = dict.fromkeys(_SUMS, 0.0)
+        self._start: Start | None = None
+        self._now: Instant | None = None
 
     def start(self, instant: Instant, stored: Stored) -> None:
         """Count from here."""
         self._now = instant
-        self._first_moment, self._first_stored = instant.moment, stored
+        self._start = Start(moment=instant.moment, stored=stored)
+
+    def _known(self) -> tuple[Start, Instant]:
+        """The start, and the last instant. Raises RuntimeError before the first."""
+        if self._start is None or self._now is None:
+            raise RuntimeError("energy balance: start or restore comes first.")
+        return self._start, self._now
 
     def add(self, dt: float, instant: Instant, pressure_work: float) -> None:
         """A step of ``dt`` [s] up to ``instant``, with ``pressure_work`` [J] of p* on the sheet."""
-        before, self._now, sums = self._now, instant, self._sums
+        before, sums = self._known()[1], self._sums
+        self._now = instant
         sums["pressure_work"] += pressure_work
         moved = (instant.moment - before.moment).sum(axis=0)
         sums["tank_work"] -= float(instant.acceleration @ moved)
@@ -105,8 +122,9 @@ class EnergyBalance:
         shell or itself and comes to rest against it, and in the time stepping. ``layer_estimate``
         is an estimate beside the balance, see ``layer_factor``.
         """
-        first, sheet, sums = self._first_stored, stored.sheet, self._sums
-        lifted = -(self._now.moment - self._first_moment) @ self.gravity
+        (start, now), sheet, sums = self._known(), stored.sheet, self._sums
+        first = start.stored
+        lifted = -(now.moment - start.moment) @ self.gravity
         mechanical = float(lifted.sum()) + stored.inner - first.inner
         return {
             "liquid_potential_energy": float(lifted[0]),
@@ -130,13 +148,14 @@ class EnergyBalance:
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""
-        first = self._first_stored
+        start, now = self._known()
+        first = start.stored
         sheet = [getattr(first.sheet, f.name) for f in fields(SheetEnergy)]
         return {
             "sums": np.array([self._sums[name] for name in _SUMS]),
-            "first_moment": self._first_moment,
+            "first_moment": start.moment,
             "first_stored": np.array([first.flow, *sheet]),
-        } | {f.name: np.array(getattr(self._now, f.name)) for f in fields(Instant)}
+        } | {f.name: np.array(getattr(now, f.name)) for f in fields(Instant)}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``. Raises ``RunFailed`` for what an older version has saved."""
@@ -149,8 +168,8 @@ class EnergyBalance:
         flow, *sheet = saved["first_stored"].tolist()
         names = [f.name for f in fields(SheetEnergy)]
         energy = SheetEnergy(**dict(zip(names, sheet, strict=True)))
-        self._first_moment = saved["first_moment"]
-        self._first_stored = Stored(flow=flow, sheet=energy)
+        stored = Stored(flow=flow, sheet=energy)
+        self._start = Start(moment=saved["first_moment"], stored=stored)
         self._now = Instant(**{f.name: _value(saved[f.name]) for f in fields(Instant)})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +20,11 @@ class IterationLog:
     Of every try: where a step failed, its parts follow, each with a time of its own.
     """
 
-    def __init__(self, folder: Path | str) -> None:
-        path = Path(folder) / FILE
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, _HEADER)
-        self._open(path)
+    def __init__(self, folder: Path | str, *, kept: Iterable[str] = ()) -> None:
+        self._path = Path(folder) / FILE
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        write_text(self._path, _HEADER + "".join(f"{line}\n" for line in kept))
+        self._file = self._path.open("a", encoding="utf-8", buffering=1)
 
     @classmethod
     def resume(cls, folder: Path | str, *, until: float) -> IterationLog:
@@ -31,15 +32,9 @@ class IterationLog:
         path = Path(folder) / FILE
         lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
         latest = until + 1e-9 * max(1.0, abs(until))
-        kept = [line for line in lines[1:] if (row := _row(line)) and row[0] <= latest]
-        write_text(path, _HEADER + "".join(f"{line}\n" for line in kept))
-        log = cls.__new__(cls)
-        log._open(path)
-        return log
-
-    def _open(self, path: Path) -> None:
-        self._path = path
-        self._file = path.open("a", encoding="utf-8", buffering=1)
+        return cls(
+            folder, kept=[line for line in lines[1:] if (row := _row(line)) and row[0] <= latest]
+        )
 
     def write(self, time: float, iteration: int, residual: float, seconds: float) -> None:
         """Append one iteration; raises RunFailed when the disk is full."""

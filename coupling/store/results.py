@@ -117,8 +117,16 @@ class ResultsWriter:
     the last writing is 20 times its cost, or until ``flush``. The first is written at once.
     """
 
-    def __init__(
-        self,
+    def __init__(self, folder: Path | str, *, written: int = 0) -> None:
+        self._folder = Path(folder)
+        self._path = self._folder / FILE
+        self._waiting: list[Sample] = []
+        self._written = written  # samples that stand in the file
+        self._last_flush, self._cost = -np.inf, 0.0  # [s]
+
+    @classmethod
+    def create(
+        cls,
         folder: Path | str,
         *,
         scene_toml: str,
@@ -126,16 +134,18 @@ class ResultsWriter:
         reference: Array,
         triangles: Ints,
         scene_hash: str = "",
-    ) -> None:
-        self._start(Path(folder))
-        self._folder.mkdir(parents=True, exist_ok=True)
-        (self._folder / XDMF_FILE).unlink(missing_ok=True)  # of an earlier run
-        with replacing(self._path) as beside, h5py.File(beside, "w") as file:
+    ) -> ResultsWriter:
+        """Begin a folder's results; those of an earlier run are lost."""
+        writer = cls(folder)
+        writer._folder.mkdir(parents=True, exist_ok=True)
+        (writer._folder / XDMF_FILE).unlink(missing_ok=True)  # of an earlier run
+        with replacing(writer._path) as beside, h5py.File(beside, "w") as file:
             attributes = {
                 "version": _version(), "model": model, "scene": scene_toml,
                 "scene_hash": scene_hash,
             }  # fmt: skip
             layout.create(file, attributes, reference, triangles)
+        return writer
 
     @classmethod
     def resume(
@@ -152,9 +162,7 @@ class ResultsWriter:
         """
         times = read_times(folder)
         keep = int(np.searchsorted(times, until + 1e-9 * max(1.0, abs(until)), side="right"))
-        writer = cls.__new__(cls)
-        writer._start(Path(folder))
-        writer._written = keep
+        writer = cls(folder, written=keep)
         if keep < len(times) or scene_toml is not None:
             # the list of times first: it must never name what results.h5 lacks
             writer._write_xdmf(times[:keep], *_sizes(writer._path))
@@ -165,14 +173,6 @@ class ResultsWriter:
                     if scene_toml is not None:
                         file.attrs["scene"] = scene_toml
         return writer
-
-    def _start(self, folder: Path) -> None:
-        self._folder = folder
-        self._path = folder / FILE
-        self._waiting: list[Sample] = []
-        self._written = 0
-        self._last_flush = -np.inf
-        self._cost = 0.0
 
     @property
     def rows(self) -> int:

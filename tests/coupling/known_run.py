@@ -88,7 +88,7 @@ def write_run(
     ``metrics``: further ones, by name, as functions of the time.
     """
     reference, triangles = disc(rings)
-    writer = ResultsWriter(
+    writer = ResultsWriter.create(
         folder, scene_toml=scene, model=model, reference=reference, triangles=triangles
     )
     for time in np.arange(0.0, periods / FREQUENCY + step / 2, step):

@@ -158,7 +158,7 @@ def test_energy_and_parts_of_the_pressure_are_told_where_the_results_hold_them(
 def test_a_broken_run_says_why(tmp_path: Path) -> None:
     reference, triangles = run.disc()
     scene = run.scene()
-    ResultsWriter(
+    ResultsWriter.create(
         tmp_path,
         scene_toml=scene_toml(scene),
         model="openfoam",
@@ -178,7 +178,7 @@ def test_a_broken_run_says_why(tmp_path: Path) -> None:
 def test_a_run_still_going_is_reported_without_a_summary(tmp_path: Path, instants: int) -> None:
     reference, triangles = run.disc()
     text = scene_toml(run.scene())
-    writer = ResultsWriter(
+    writer = ResultsWriter.create(
         tmp_path, scene_toml=text, model="datum", reference=reference, triangles=triangles
     )
     for k in range(instants):

@@ -51,7 +51,7 @@ def test_a_video_has_a_frame_of_every_instant_of_the_period(
 
 def test_a_run_without_an_instant_has_no_video(tmp_path: Path) -> None:
     reference, triangles = known_run.disc()
-    ResultsWriter(
+    ResultsWriter.create(
         tmp_path, scene_toml="", model="datum", reference=reference, triangles=triangles
     ).close()
     with pytest.raises(RunFailed, match="no instant yet"):

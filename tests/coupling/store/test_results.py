@@ -24,7 +24,7 @@ REFERENCE, TRIANGLES = run.disc()
 
 
 def writer(folder: Path) -> ResultsWriter:
-    return ResultsWriter(
+    return ResultsWriter.create(
         folder, scene_toml="x = 1\n", model="openfoam", reference=REFERENCE, triangles=TRIANGLES
     )
 
@@ -137,7 +137,7 @@ import itertools, sys
 import known_run as run
 from coupling.store.results import ResultsWriter
 reference, triangles = run.disc(20)
-writer = ResultsWriter(
+writer = ResultsWriter.create(
     sys.argv[1], scene_toml="", model="m", reference=reference, triangles=triangles
 )
 for k in itertools.count():
@@ -181,7 +181,7 @@ if int(sys.argv[2]):
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
 reference, triangles = run.disc()
-writer = ResultsWriter(
+writer = ResultsWriter.create(
     sys.argv[1], scene_toml="", model="m", reference=reference, triangles=triangles
 )
 written = 0
