@@ -64,7 +64,7 @@ class AliveCase(Case):
         if self._pipes is None or name not in (self._began, self._reached):
             self._pipes = self._started(start, end, moment)
         command = REPEAT if name == self._began else ADVANCE
-        # To the digits of system/step, so that both solvers compute with the same numbers.
+        # To the digits of system/step, so that both solvers use the same numbers.
         times = float(f"{start:.12g}"), float(f"{end - start:.12g}")
         own = [np.ascontiguousarray(points[part.points]) for part in self.parts]
         requests = [(Frame(command, len(part), *times), part.tobytes()) for part in own]

@@ -193,7 +193,7 @@ class FreePatch:
         return {"contact": self._search.smooth.save()}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; other entries are left alone."""
+        """The reverse of ``save``; other entries are ignored."""
         self._search.smooth.restore(saved["contact"])
 
     def _lift(

@@ -19,7 +19,7 @@ from coupling.ports import (
 )
 from coupling.step.backtracking import Backtracking, BacktrackingSettings
 from coupling.step.convergence import Convergence
-from coupling.step.divergence import diverged_at, told_from_divergence
+from coupling.step.divergence import attributed_to_divergence, diverged_at
 from coupling.step.history import History
 from coupling.step.interface_problem import InterfaceProblem
 from coupling.step.interface_step import Iterate, known
@@ -128,7 +128,7 @@ class CoupledStep:
         solved = self._begin_map(history)
         for iteration in range(1, self.max_iterations + 1):
             self._tried += 1
-            with told_from_divergence(time + dt, history.residuals):
+            with attributed_to_divergence(time + dt, history.residuals):
                 iterate = self.backtracking.nearest(problem.image, x, solved)
             solved = iterate.points
             relative = self.convergence.relative(iterate.residual, solved - problem.step.start, dt)

@@ -68,7 +68,7 @@ class Defects:
         return past | {"defects_dt": np.array([self._dt])}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; other entries are let be."""
+        """The reverse of ``save``; other entries are ignored."""
         count = sum(name.removeprefix("defect").isdigit() for name in saved)
         self._past = [saved[f"defect{number}"] for number in range(count)]
         self._dt = float(saved["defects_dt"][0])

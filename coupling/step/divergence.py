@@ -1,4 +1,4 @@
-"""How a coupling that diverges is told from a side that fails by itself."""
+"""Which failures of a side are the coupling's own: those of iterates that diverge."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from coupling.ports import Cause, RunFailed, StepFailed
 
 
 @contextmanager
-def told_from_divergence(time: float, residuals: list[float]) -> Iterator[None]:
+def attributed_to_divergence(time: float, residuals: list[float]) -> Iterator[None]:
     """A side that fails where the iterates run away is the coupling's failure, not its own.
 
     ``time`` [s]; ``residuals``: what the iterations so far have left, relative.

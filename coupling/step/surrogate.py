@@ -20,15 +20,13 @@ class SurrogateSettings:
     """Constants of the surrogate.
 
     ``rate``: share of the residual that an iteration with the liquid's inertia should leave; the
-    surrogate takes over where two in a row leave more, and is given up once it does no better.
-    ``left``: share of the residual it is solved to: what it lacks leaves more than that.
-    ``failed``: with a larger share left it has not been solved. ``iterations``: of its own solve,
-    at most; 0 for none at all.
+    surrogate takes over where two in a row leave more, and is given up once it does no better, or
+    where its own solve leaves more. ``left``: share of the residual that solve goes down to: what
+    the surrogate lacks leaves more than that. ``iterations``: of the solve, at most; 0 for none.
     """
 
     rate: float = 0.3
     left: float = 0.03
-    failed: float = 0.3
     iterations: int = 8
 
 
@@ -113,4 +111,4 @@ def surrogate_iterate(
         left = rms(residual) / start
         if left <= max(tolerance, settings.left):
             return guess
-    return guess if left <= settings.failed else None
+    return guess if left <= settings.rate else None

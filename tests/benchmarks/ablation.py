@@ -49,7 +49,7 @@ SCENES = {
 AS_IT_IS = "as it is"
 TRIED: dict[type, dict[str, tuple[float, ...]]] = {
     SurrogateSettings: {
-        "iterations": (0, 16), "rate": (0.6, 0.1), "left": (0.3, 0.003), "failed": (inf, 0.03),
+        "iterations": (0, 16), "rate": (0.6, 0.1), "left": (0.3, 0.003),
     },
     BacktrackingSettings: {"halvings": (0,)},
     RemapSettings: {"maps": (1,), "slow": (4,)},
