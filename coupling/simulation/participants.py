@@ -20,7 +20,7 @@ from coupling.simulation.energy import Instant, instant_of
 from coupling.simulation.sampling import at_nodes, sample_at, still
 from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
-from coupling.step.substeps import advance
+from coupling.step.halving import Halving
 from coupling.store.run_record import Sample
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -42,6 +42,7 @@ class Participants:
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
+        self.halving = Halving()
         self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
 
@@ -92,10 +93,7 @@ class Participants:
         dt, tally = self.scene.time.step, self.tally
         self._parts = []
         try:
-            parts = advance(
-                self.step, now, dt, self.load,
-                halvings=None if self.step.halvable else 0, taken=self._taken,
-            )  # fmt: skip
+            parts = self.halving.advance(self.step, now, dt, self.load, taken=self._taken)
         finally:
             for part, seconds in self.step.seconds().items():
                 tally.statistics.wall_by_part[part] += seconds

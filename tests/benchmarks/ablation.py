@@ -24,17 +24,18 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+from coupling.run.driver import run
+
 from coupling.interface.contact_curve import ContactSettings
 from coupling.interface.free_patch import PatchSettings
 from coupling.interface.mapping import Support
-from coupling.run.driver import run
 from coupling.scene.scene import load_scene
 from coupling.schemes.iqn_ils import IqnIlsSettings
 from coupling.step.backtracking import BacktrackingSettings
 from coupling.step.coupled import CoupledSettings
 from coupling.step.defects import DefectSettings
+from coupling.step.halving import HalvingSettings
 from coupling.step.remap import RemapSettings
-from coupling.step.substeps import HalvingSettings
 from coupling.step.surrogate import SurrogateSettings
 
 SCENE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"

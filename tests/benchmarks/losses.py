@@ -67,12 +67,12 @@ def row(scene: Path, keys: str) -> list[str]:
     """The figures of one run."""
     given = ["model.fluid=potential", "time.output_every=1", *keys.split(",")]
     clock, halved = process_time(), Halved()
-    logging.getLogger("coupling.step.substeps").addHandler(halved)
+    logging.getLogger("coupling.step.halving").addHandler(halved)
     with tempfile.TemporaryDirectory() as folder:
         summary = run(load_scene(scene, [key for key in given if key]), Path(folder))
         metrics = read_results(Path(folder)).metrics
     lost = [metrics[name][-1] for name in ("dissipated", *SHARES.values())] + [rest(metrics)[-1]]
-    logging.getLogger("coupling.step.substeps").removeHandler(halved)
+    logging.getLogger("coupling.step.halving").removeHandler(halved)
     cg = summary["cg"]
     return [
         keys or "as it is",
@@ -99,6 +99,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    logging.getLogger("coupling.step.substeps").setLevel(logging.INFO)
+    logging.getLogger("coupling.step.halving").setLevel(logging.INFO)
     with threadpool_limits(1):
         main()

@@ -12,7 +12,7 @@ from coupling.ports import RunFailed
 from coupling.scene.scene import Scene, scene_from
 from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
-from coupling.step.substeps import advance
+from coupling.step.halving import Halving
 from coupling.structure.diaphragm import diaphragm_of
 
 
@@ -86,7 +86,7 @@ def test_a_step_that_fails_is_halved_and_the_last_failure_is_raised(monkeypatch)
     monkeypatch.setattr(cloth, "begin_step", lambda dt, load: begun.append((dt, load)))
     monkeypatch.setattr(cloth, "solve", solve)
     monkeypatch.setattr(cloth, "accept_step", lambda: taken.append(begun[-1]))
-    assert advance(DryStep(cloth), 1.0, 0.01, lambda _, end: end) == 4
+    assert Halving().advance(DryStep(cloth), 1.0, 0.01, lambda _, end: end) == 4
     assert taken == [(0.0025, pytest.approx(1.0 + 0.0025 * k)) for k in (1, 2, 3, 4)]
     with pytest.raises(ArithmeticError, match="too far"):
-        advance(DryStep(cloth), 1.0, 0.1, lambda _, end: end)
+        Halving().advance(DryStep(cloth), 1.0, 0.1, lambda _, end: end)

@@ -10,7 +10,7 @@ from coupling.fluids.potential.model import POTENTIAL
 from coupling.motion.shaking import motion_of
 from coupling.scene.scene import Scene, scene_from
 from coupling.simulation.driver import resume, run
-from coupling.step.substeps import advance
+from coupling.step.halving import Halving
 from coupling.store.results import read_results
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -53,7 +53,7 @@ class Run:
     def go(self, first: int, last: int) -> None:
         dt = self.scene.time.step
         for k in range(first, last):
-            advance(self.step, k * dt, dt, self.load)
+            Halving().advance(self.step, k * dt, dt, self.load)
 
 
 @pytest.mark.parametrize("fill", [0.2, 0.8])
