@@ -10,7 +10,7 @@ from coupling.finite_volume.gradients import gradients, wall_distance
 from coupling.finite_volume.laplacian import eliminated
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import half_ball
-from coupling.finite_volume.swept import swept_gradient
+from coupling.finite_volume.swept import swept_gradient, swept_rows
 
 DENSITY = 1000.0
 
@@ -88,6 +88,17 @@ def test_rows_factor_the_operator(level):
     swept = np.tensordot(flux, motion, axes=([1, 2], [1, 2]))
     expected = swept.T @ operator @ swept
     assert np.abs(flat.T @ flat - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+def test_force_is_the_pressure_on_what_the_faces_sweep(level):
+    mesh, geometry, patch = level
+    inertia = LiquidInertia.of(NeumannLaplacian(mesh, geometry), patch, DENSITY)
+    acceleration = np.random.default_rng(1).normal(size=patch.shape)
+    swept = swept_rows(patch, mesh.patch_faces)
+    wanted = np.tensordot(inertia.pressure(acceleration), swept, 1)
+    force = inertia.force(acceleration)
+    assert np.abs(force - wanted).max() < 1e-12 * np.abs(wanted).max()  # the same sums, reordered
+    assert np.vdot(force, acceleration) > 0.0
 
 
 def test_uniform_lift_has_no_inertia(level):
