@@ -22,12 +22,17 @@ _WIDEST = 0.98  # |cos psi| of the curve, at most
 
 @dataclass(frozen=True, kw_only=True)
 class ContactSettings:
-    """Constants of the search for the contact curve.
+    """Constants of the search for the contact curve, found by trial on sways at many fills.
 
-    ``reach``: gap over R where a node counts as free altogether. ``order``: highest wave round the
-    axis. ``rate`` and ``fast`` [1/s]: at which the curve follows leaps and small motion; ``small``:
-    size of what it is away by, as axis and waves have it, between small and a leap. ``upright``:
-    weight of the pole in the axis, over that of the whole sheet lifted to its centre.
+    What each does to iterations and to the CG's motion: ``tests/benchmarks/README.md``.
+
+    - ``reach``: gap over R where a node counts as free altogether; smooths the curve's edge;
+    - ``order``: highest wave round the axis; finer waves of the curve are left out;
+    - ``rate``, ``fast`` [1/s]: at which the curve follows leaps and small motion. A slow one lags,
+      which feeds a wave that breathes at the rim; a fast one moves the mesh in jumps;
+    - ``small``: size of what the curve is away by, as axis and waves have it, between the two;
+    - ``upright``: weight of the pole in the axis, over that of the whole sheet lifted to its
+      centre: the axis of a sheet that is free all round is the pole.
     """
 
     reach: float = 0.03

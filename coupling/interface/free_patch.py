@@ -35,20 +35,25 @@ from coupling.ports import Array, Ints, Structure, StructureState
 
 @dataclass(frozen=True, kw_only=True)
 class PatchSettings:
-    """Constants of the patch.
+    """Constants of the patch, all without a unit; found by trial on sways at many fills.
 
-    The liquid's edge: ``wedge`` is its least slope, ``film`` the greatest depth over R that this
-    makes. ``steep``: sine of the least angle at which the rim opens the liquid, about the wedge's.
-    ``smallest``: area that a point inside has to be lifted by at least, over the median there.
-    ``low``: weight of the lowest point in the pool's middle, over its offset in radii.
+    What each does to iterations and to the CG's motion: ``tests/benchmarks/README.md``.
 
-    Creases: by the size of the mean normal round a point, the map is of second order above
-    ``smooth`` and of first below ``flat``, where rounding sets in; it is full below ``creased``.
-    Likewise by the least sine of the corners round a point, between ``open`` and ``sharp``.
-    ``rounds`` of rounding at most; that of corners goes on to ``more``.
+    The liquid's edge, so that cells there stay open:
+    - ``wedge``: its least slope; ``film``: over R, the greatest depth that this makes;
+    - ``steep``: sine of the least angle at which the rim opens the liquid, about the wedge's;
+    - ``smallest``: over the median inside, least area that a point inside is lifted by;
+    - ``low``: weight of the lowest point in the pool's middle, over its offset in radii.
 
-    ``inset``: of the contact curve, beyond which nodes have the pressure at its edge.
-    ``linear`` and ``quadratic``: supports of the maps of first and second order.
+    Creases, by the size of the mean normal round a point, 1 where it is flat, and by the least
+    sine of the corners of the faces round it:
+    - ``smooth``, ``flat``: above the first the map is of second order, below the other of first;
+    - ``flat``, ``creased``: below the first creases are rounded, below the other fully;
+    - ``open``, ``sharp``: likewise for corners;
+    - ``rounds``: of rounding at most; that of corners goes on to ``more``.
+
+    ``inset``: of the contact curve, beyond which nodes have the pressure at its edge, in the
+    results only. ``linear``, ``quadratic``: supports of the maps of first and second order.
     """
 
     wedge: float = math.tan(math.radians(15.0))

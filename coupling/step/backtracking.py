@@ -15,7 +15,11 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True, kw_only=True)
 class BacktrackingSettings:
-    """``halvings``: of the way to the goal, at most; 0 takes the goal or fails."""
+    """``halvings``: of the way to the goal, at most; 0 takes the goal or fails.
+
+    Four go back to a sixteenth of the way. Neither scene of ``tests/benchmarks/README.md`` goes
+    back at all: it is for iterates without a valid mesh, which end a step otherwise.
+    """
 
     halvings: int = 4
 

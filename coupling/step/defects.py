@@ -15,10 +15,10 @@ EXTRAPOLATIONS = ((1.0,), (1.5, -0.5), (2.0, -1.0), (3.0, -3.0, 1.0))
 
 @dataclass(frozen=True, kw_only=True)
 class DefectSettings:
-    """Constants of the predictor.
+    """Constants of the predictor; their effect is in ``tests/benchmarks/README.md``.
 
-    ``order``: how many of ``EXTRAPOLATIONS`` are tried, 0 for no prediction (a defect of zero).
-    ``growth``: the change that the prediction goes on by, over the last step's, at most.
+    - ``order``: how many of ``EXTRAPOLATIONS`` are tried, 0 for no prediction (a defect of zero);
+    - ``growth``: the change that the prediction goes on by, over the last step's, at most.
     """
 
     order: int = 4

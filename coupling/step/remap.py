@@ -10,11 +10,13 @@ from coupling.step.history import History
 
 @dataclass(frozen=True, kw_only=True)
 class RemapSettings:
-    """Constants of the remapping.
+    """Constants of the remapping, found by trial on violent sways.
 
-    ``slow``: iterations on a map before its rate is judged; it leads astray where they have come
-    less than half the way, in orders of magnitude (``Convergence.is_far``). ``maps``: of a step,
-    at most; with 1 the map of the step's start is kept.
+    - ``slow``: iterations on a map before its rate is judged; it leads astray where they have come
+      less than half the way, in orders of magnitude (``Convergence.is_far``);
+    - ``maps``: of a step, at most; with 1 the map of the step's start is kept. A violent sway
+      from rest at a fill of 0.5 then takes up to 30 iterations in a step, the most allowed, in
+      place of 14, and 4.15 on average in place of 3.93.
     """
 
     slow: int = 8

@@ -17,12 +17,16 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class SurrogateSettings:
-    """Constants of the surrogate.
+    """Constants of the surrogate, found by trial on violent sways.
 
-    ``rate``: share of the residual that an iteration with the liquid's inertia should leave; the
-    surrogate takes over where two in a row leave more, and is given up once it does no better, or
-    where its own solve leaves more. ``left``: share of the residual that solve goes down to: what
-    the surrogate lacks leaves more than that. ``iterations``: of the solve, at most; 0 for none.
+    - ``rate``: share of the residual that an iteration with the liquid's inertia should leave; the
+      surrogate takes over where two in a row leave more, and is given up once it does no better,
+      or where its own solve leaves more;
+    - ``left``: share of the residual that solve goes down to: what the surrogate lacks leaves more;
+    - ``iterations``: of the solve, at most; 0 for none at all.
+
+    Figures are in ``tests/benchmarks/README.md``: in a violent sway of 540 cells the surrogate
+    saves 0.3 per cent of the iterations, and none of the steps that fail.
     """
 
     rate: float = 0.3
