@@ -24,13 +24,12 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from coupling.run.driver import run
-
 from coupling.interface.contact_curve import ContactSettings
 from coupling.interface.free_patch import PatchSettings
 from coupling.interface.mapping import Support
 from coupling.scene.scene import load_scene
 from coupling.schemes.iqn_ils import IqnIlsSettings
+from coupling.simulation.driver import run
 from coupling.step.backtracking import BacktrackingSettings
 from coupling.step.coupled import CoupledSettings
 from coupling.step.defects import DefectSettings
