@@ -61,7 +61,7 @@ class Iteration:
         node_kernels.node_step(
             self.x, p.limit, self.weight, r, p.settings.shell_friction, p.committed,
             self.zc, self.uc, self.rub,
-            gradient, bent.starts, bent.columns, bent.values, self.moment,
+            model.triangles, gradient, bent.starts, bent.columns, bent.values, self.moment,
             p.kin.position_anchor, self.drag, rhs,
         )  # fmt: skip
         if self.planes is not None:

@@ -106,13 +106,14 @@ class ClothModel:
         return stiffer * self.tensile, np.where(whole, stiffer, 1.0) * self.compressive
 
     def bending_force(self, position: Array) -> Array:
-        """-dE/dx (n, 3) [N] of the bending energy, the turning of the normals left out."""
+        """-dE/dx (n, 3) [N] of the bending energy; means nothing on fixed nodes."""
         _, gradient = self.volume_and_gradient(position)
         bent = self.bending
         force = np.asarray(bent.held - bent.matrix @ position)
         node_kernels.bending_rest_step(
-            gradient, bent.starts, bent.columns, bent.values, bent.moment, force
-        )
+            position, self.triangles, gradient,
+            bent.starts, bent.columns, bent.values, bent.moment, force,
+        )  # fmt: skip
         return force
 
     def system(self, settings: Settings, penalty: float, b: float) -> System:

@@ -208,19 +208,36 @@ def triangle_step(
 
 
 def bending_rest_step(
-    gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
+    x: Array,
+    triangles: Ints,
+    gradient: Array,
+    starts: Ints,
+    columns: Ints,
+    values: Array,
+    moment: Array,
+    rhs: Array,
 ) -> None:
     """Add the moulded curvature's part of the bending force to ``rhs`` (n, 3) [N].
 
-    ``starts``, ``columns``, ``values``: rows of R as in ``cloth.bending.Bending``; ``moment`` (n,)
-    [N m^3]; the normal is that of the volume's ``gradient`` (n, 3), and its own derivative is left
-    out: R x is along it where the sheet does not stretch. The other part, -Q x, stands in the
-    matrix.
+    Of the energy -sum_i m_i n_i.(R x)_i: R by its rows ``starts``, ``columns``, ``values`` and
+    m = ``moment`` (n,) [N m^3] as in ``cloth.bending.Bending``; n = g/|g|, g the volume's
+    ``gradient`` (n, 3) [m^2] at ``x`` (n, 3) [m], 0 of nodes that have no normal. The force is
+    R^T (m n), and what turns the normals: with q = m (1 - n n^T) R x/|g|, the derivative of
+    sum_i q_i.g_i, where a triangle of edges a, b from its first node adds a x b/6 to g of its three
+    nodes. The other part of the energy, x.Q x/2, stands in the matrix.
     """
-    size = np.linalg.norm(gradient, axis=1)
-    normals = gradient / np.where(size > 0.0, size, 1.0)[:, None]
+    square = np.einsum("id,id->i", gradient, gradient)[:, None]
+    size = np.sqrt(np.where(square > 0.0, square, 1.0))
+    normals = gradient / size
     rows = sp.csr_matrix((values, columns, starts), shape=(len(moment), len(moment)))
     rhs += np.asarray(rows.T @ (moment[:, None] * normals))
+    lean = np.asarray(rows @ x)
+    lean = lean - np.einsum("id,id->i", lean, normals)[:, None] * normals
+    turn = np.where(square > 0.0, moment[:, None] / size * lean, 0.0)
+    corner, whole = x[triangles], turn[triangles].sum(axis=1) / 6.0
+    first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    one, two = np.cross(second, whole), np.cross(whole, first)
+    np.add.at(rhs, triangles, np.stack([-one - two, one, two], axis=1))
 
 
 def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs: Array) -> None:

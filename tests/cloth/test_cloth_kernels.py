@@ -100,13 +100,14 @@ def test_node_step(mesh, crumpled, friction):
     rub, rubbed = np.ones((2, *crumpled.shape))
     reference.contact_step(crumpled, limit, weight, 1.3, friction, start, z, u, rubbed, wanted)
     reference.bending_rest_step(
-        gradient, bent.starts, bent.columns, bent.values, bent.moment, wanted
-    )
+        crumpled, mesh.triangles, gradient,
+        bent.starts, bent.columns, bent.values, bent.moment, wanted,
+    )  # fmt: skip
     reference.normal_drag_step(crumpled, mesh.points, gradient, drag, wanted)
     got = np.zeros_like(crumpled)
     node_kernels.node_step(
-        crumpled, limit, weight, 1.3, friction, start, z0, u0, rub, gradient,
-        bent.starts, bent.columns, bent.values, bent.moment, mesh.points, drag, got,
+        crumpled, limit, weight, 1.3, friction, start, z0, u0, rub, mesh.triangles,
+        gradient, bent.starts, bent.columns, bent.values, bent.moment, mesh.points, drag, got,
     )  # fmt: skip
     for right, answer in ((z, z0), (u, u0), (wanted, got)):
         np.testing.assert_allclose(answer, right, atol=ROUNDING * np.abs(right).max())
