@@ -74,7 +74,7 @@ def sheet_losses(model: ClothModel, settings: Settings, memory: Memory, b: float
     if not (dt > 0.0 and b > 0.0):
         return SheetLosses()
     mean = (x - memory.previous_position) / dt
-    rate = (model.bending_force(x) - model.bending_force(x - b * v)) / b
+    rate = (model.held_normals_force(x) - model.held_normals_force(x - b * v)) / b
     normal = _normals(model, x)
     sliding = v - np.einsum("id,id->i", v, normal)[:, None] * normal
     return SheetLosses(

@@ -31,7 +31,7 @@ class Iteration:
         self.penalty = np.full(len(model.triangles), p.penalty)
         self.tensile, self.compressive = model.stiffness(p.settings, p.dt)
         self.weight = model.shell_penalty(p.settings, p.penalty)
-        self.moment = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
+        self.damped = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
         self.largest_force = float(np.abs(force).max())
         self.force = np.where(model.free[:, None], p.constant_force + force, 0.0)
@@ -61,8 +61,8 @@ class Iteration:
         node_kernels.node_step(
             self.x, p.limit, self.weight, r, p.settings.shell_friction, p.committed,
             self.zc, self.uc, self.rub,
-            model.triangles, gradient, bent.starts, bent.columns, bent.values, self.moment,
-            p.kin.position_anchor, self.drag, rhs,
+            model.triangles, gradient, bent.starts, bent.columns, bent.values, bent.moment,
+            self.damped, p.kin.position_anchor, self.drag, rhs,
         )  # fmt: skip
         if self.planes is not None:
             self.planes.step(

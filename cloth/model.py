@@ -108,12 +108,25 @@ class ClothModel:
     def bending_force(self, position: Array) -> Array:
         """-dE/dx (n, 3) [N] of the bending energy; means nothing on fixed nodes."""
         _, gradient = self.volume_and_gradient(position)
-        bent = self.bending
-        force = np.asarray(bent.held - bent.matrix @ position)
-        node_kernels.bending_rest_step(
+        bent, force = self.bending, self.held_normals_force(position)
+        node_kernels.bending_turning_step(
             position, self.triangles, gradient,
             bent.starts, bent.columns, bent.values, bent.moment, force,
         )  # fmt: skip
+        return force
+
+    def held_normals_force(self, position: Array) -> Array:
+        """The same but for what turns the normals: its rate is what bending's damping resists.
+
+        That damping may be hundreds of times as stiff in a step as the energy; an explicit part of
+        it that stretches the sheet keeps the iteration from converging in sharp folds.
+        """
+        _, gradient = self.volume_and_gradient(position)
+        bent = self.bending
+        force = np.asarray(bent.held - bent.matrix @ position)
+        node_kernels.bending_rest_step(
+            gradient, bent.starts, bent.columns, bent.values, bent.moment, force
+        )
         return force
 
     def system(self, settings: Settings, penalty: float, b: float) -> System:

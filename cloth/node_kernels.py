@@ -73,6 +73,25 @@ def slide_to(
 
 @compiled
 def bending_rest_step(
+    gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
+) -> None:
+    """See ``cloth.reference.bending_rest_step``."""
+    for i in range(moment.shape[0]):
+        g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
+        square = g0 * g0 + g1 * g1 + g2 * g2
+        if square <= 0.0:
+            continue
+        scale = moment[i] / math.sqrt(square)
+        g0, g1, g2 = scale * g0, scale * g1, scale * g2
+        for p in range(starts[i], starts[i + 1]):
+            j, w = columns[p], values[p]
+            rhs[j, 0] += w * g0
+            rhs[j, 1] += w * g1
+            rhs[j, 2] += w * g2
+
+
+@compiled
+def bending_turning_step(
     x: Array,
     triangles: Ints,
     gradient: Array,
@@ -82,26 +101,22 @@ def bending_rest_step(
     moment: Array,
     rhs: Array,
 ) -> None:
-    """See ``cloth.reference.bending_rest_step``."""
+    """See ``cloth.reference.bending_turning_step``."""
     turn = np.zeros_like(x)
     for i in range(moment.shape[0]):
         g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
         square = g0 * g0 + g1 * g1 + g2 * g2
         if square <= 0.0:
             continue
-        scale = moment[i] / math.sqrt(square)
-        m0, m1, m2 = scale * g0, scale * g1, scale * g2
         r0, r1, r2 = 0.0, 0.0, 0.0
         for p in range(starts[i], starts[i + 1]):
             j, w = columns[p], values[p]
-            rhs[j, 0] += w * m0
-            rhs[j, 1] += w * m1
-            rhs[j, 2] += w * m2
             r0, r1, r2 = r0 + w * x[j, 0], r1 + w * x[j, 1], r2 + w * x[j, 2]
         along = (r0 * g0 + r1 * g1 + r2 * g2) / square
-        turn[i, 0] = scale * (r0 - along * g0) / 6.0
-        turn[i, 1] = scale * (r1 - along * g1) / 6.0
-        turn[i, 2] = scale * (r2 - along * g2) / 6.0
+        scale = moment[i] / (6.0 * math.sqrt(square))
+        turn[i, 0] = scale * (r0 - along * g0)
+        turn[i, 1] = scale * (r1 - along * g1)
+        turn[i, 2] = scale * (r2 - along * g2)
     for t in range(triangles.shape[0]):
         i, j, k = triangles[t]
         q0 = turn[i, 0] + turn[j, 0] + turn[k, 0]
@@ -113,9 +128,11 @@ def bending_rest_step(
         f0, f1, f2 = q1 * a2 - q2 * a1, q2 * a0 - q0 * a2, q0 * a1 - q1 * a0
         rhs[j, 0], rhs[j, 1], rhs[j, 2] = rhs[j, 0] + e0, rhs[j, 1] + e1, rhs[j, 2] + e2
         rhs[k, 0], rhs[k, 1], rhs[k, 2] = rhs[k, 0] + f0, rhs[k, 1] + f1, rhs[k, 2] + f2
-        rhs[i, 0] -= e0 + f0
-        rhs[i, 1] -= e1 + f1
-        rhs[i, 2] -= e2 + f2
+        rhs[i, 0], rhs[i, 1], rhs[i, 2] = (
+            rhs[i, 0] - e0 - f0,
+            rhs[i, 1] - e1 - f1,
+            rhs[i, 2] - e2 - f2,
+        )
 
 
 @compiled
@@ -151,11 +168,16 @@ def node_step(
     columns: Ints,
     values: Array,
     moment: Array,
+    damped: Array,
     anchor: Array,
     drag: Array,
     rhs: Array,
 ) -> None:
-    """``contact_step``, ``bending_rest_step`` and ``normal_drag_step`` in one call."""
+    """``contact_step``, bending's two steps and ``normal_drag_step`` in one call.
+
+    ``damped`` (n,) is the moment [N m^3] of ``bending_rest_step``, ``moment`` that of the other.
+    """
     contact_step(x, limit, weight, relaxation, friction, start, z, u, rub, rhs)
-    bending_rest_step(x, triangles, gradient, starts, columns, values, moment, rhs)
+    bending_rest_step(gradient, starts, columns, values, damped, rhs)
+    bending_turning_step(x, triangles, gradient, starts, columns, values, moment, rhs)
     normal_drag_step(x, anchor, gradient, drag, rhs)

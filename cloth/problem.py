@@ -78,13 +78,14 @@ def constant_force(
 ) -> Array:
     """Inertia, weight, damping and rim (n, 3) [N]; ``rows`` (r, n, 3) [sqrt(N/m)] are B/b.
 
-    The damping is tau_b times the rate of the whole bending force, the moulded curvature's part
-    included: Q alone would damp the rotation of a curved sheet that does not bend.
+    The damping is tau_b times the rate of the bending force but for what turns the normals, the
+    moulded curvature's part included: Q alone would damp the rotation of a curved sheet that does
+    not bend.
     """
     b, anchor = kin.b, kin.position_anchor
     inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)
     drag = (settings.drag / b * model.mass)[:, None] * anchor
-    damping = -settings.bending_damping / b * model.bending_force(anchor)
+    damping = -settings.bending_damping / b * model.held_normals_force(anchor)
     rim = system.lift(model.clamped, model.mesh.fixed)
     rim += (1.0 + settings.bending_damping / b) * model.bending.held
     total = inertial + drag + damping + rim

@@ -208,6 +208,22 @@ def triangle_step(
 
 
 def bending_rest_step(
+    gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
+) -> None:
+    """Add R^T (m n), of the moulded curvature, to ``rhs`` (n, 3) [N].
+
+    ``starts``, ``columns``, ``values``: rows of R as in ``cloth.bending.Bending``; m = ``moment``
+    (n,) [N m^3]; n = g/|g| of the volume's ``gradient`` g (n, 3) [m^2], 0 of nodes without a
+    normal. With ``bending_turning_step`` the force of the energy -sum_i m_i n_i.(R x)_i; the other
+    part of the energy, x.Q x/2, stands in the matrix.
+    """
+    size = np.linalg.norm(gradient, axis=1)
+    normals = gradient / np.where(size > 0.0, size, 1.0)[:, None]
+    rows = sp.csr_matrix((values, columns, starts), shape=(len(moment), len(moment)))
+    rhs += np.asarray(rows.T @ (moment[:, None] * normals))
+
+
+def bending_turning_step(
     x: Array,
     triangles: Ints,
     gradient: Array,
@@ -217,20 +233,17 @@ def bending_rest_step(
     moment: Array,
     rhs: Array,
 ) -> None:
-    """Add the moulded curvature's part of the bending force to ``rhs`` (n, 3) [N].
+    """Add the force of sum_i m_i n_i.(R x)_i that turns the normals n to ``rhs`` (n, 3) [N].
 
-    Of the energy -sum_i m_i n_i.(R x)_i: R by its rows ``starts``, ``columns``, ``values`` and
-    m = ``moment`` (n,) [N m^3] as in ``cloth.bending.Bending``; n = g/|g|, g the volume's
-    ``gradient`` (n, 3) [m^2] at ``x`` (n, 3) [m], 0 of nodes that have no normal. The force is
-    R^T (m n), and what turns the normals: with q = m (1 - n n^T) R x/|g|, the derivative of
-    sum_i q_i.g_i, where a triangle of edges a, b from its first node adds a x b/6 to g of its three
-    nodes. The other part of the energy, x.Q x/2, stands in the matrix.
+    Arguments as of ``bending_rest_step``, with the positions ``x`` (n, 3) [m] whose ``gradient`` it
+    is. The derivative of sum_i q_i.g_i with q = m (1 - n n^T) R x/|g|, where a triangle of edges
+    a, b from its first node adds a x b/6 to g of its three nodes. R x is along n, and the force
+    none, where the sheet does not stretch.
     """
     square = np.einsum("id,id->i", gradient, gradient)[:, None]
     size = np.sqrt(np.where(square > 0.0, square, 1.0))
     normals = gradient / size
     rows = sp.csr_matrix((values, columns, starts), shape=(len(moment), len(moment)))
-    rhs += np.asarray(rows.T @ (moment[:, None] * normals))
     lean = np.asarray(rows @ x)
     lean = lean - np.einsum("id,id->i", lean, normals)[:, None] * normals
     turn = np.where(square > 0.0, moment[:, None] / size * lean, 0.0)

@@ -92,6 +92,7 @@ def test_node_step(mesh, crumpled, friction):
     limit, weight = rng.uniform(0.9, 1.0, n), np.where(mesh.fixed, 0.0, 3.0)
     drag = np.where(mesh.fixed, 0.0, rng.uniform(1.0, 2.0, n))
     bent = bending_of(mesh, np.ones(n), 0.5)
+    damped = 1.7 * bent.moment
     gradient = rng.normal(size=crumpled.shape)
     gradient[3] = 0.0  # a node without a normal
     z0, u0 = rng.normal(size=(2, *crumpled.shape)) * 0.1
@@ -99,7 +100,8 @@ def test_node_step(mesh, crumpled, friction):
     start = crumpled + 0.05 * rng.normal(size=crumpled.shape)
     rub, rubbed = np.ones((2, *crumpled.shape))
     reference.contact_step(crumpled, limit, weight, 1.3, friction, start, z, u, rubbed, wanted)
-    reference.bending_rest_step(
+    reference.bending_rest_step(gradient, bent.starts, bent.columns, bent.values, damped, wanted)
+    reference.bending_turning_step(
         crumpled, mesh.triangles, gradient,
         bent.starts, bent.columns, bent.values, bent.moment, wanted,
     )  # fmt: skip
@@ -107,7 +109,8 @@ def test_node_step(mesh, crumpled, friction):
     got = np.zeros_like(crumpled)
     node_kernels.node_step(
         crumpled, limit, weight, 1.3, friction, start, z0, u0, rub, mesh.triangles,
-        gradient, bent.starts, bent.columns, bent.values, bent.moment, mesh.points, drag, got,
+        gradient, bent.starts, bent.columns, bent.values, bent.moment, damped,
+        mesh.points, drag, got,
     )  # fmt: skip
     for right, answer in ((z, z0), (u, u0), (wanted, got)):
         np.testing.assert_allclose(answer, right, atol=ROUNDING * np.abs(right).max())
