@@ -139,6 +139,7 @@ class Iteration:
         if not np.all(np.isfinite(end.position)):
             raise self._diverged("the position is no longer finite")
         moved = math.sqrt(float(np.sum((end.position - self.x) ** 2)) / len(self.x))
+        admissible = end.converged and moved <= p.settings.tolerance * p.model.size
         return Solution(
             position=end.position,
             tension=self.u * self.penalty[:, None, None],
@@ -152,9 +153,8 @@ class Iteration:
             iterations=self.done,
             contact=end.contact,
             planes=self.planes,
-            converged=end.converged
-            and self.near_enough
-            and moved <= p.settings.tolerance * p.model.size,
+            admissible=admissible,
+            converged=admissible and self.near_enough,
         )
 
     def _diverged(self, symptom: str) -> ArithmeticError:
@@ -191,7 +191,8 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
             run.advance()
     solution = run.finish()
     while run.done < most and not solution.converged:
-        run.look()
+        if not solution.admissible:
+            run.look()
         for _ in range(CONTACT_EVERY):
             run.advance()
         solution = run.finish()

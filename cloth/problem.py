@@ -49,8 +49,8 @@ class Solution:
     that made the last iterate admissible (see ``cloth.ending``).
     ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell, ``self_rub`` on itself;
     ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
-    ``converged``: both parts of ``change`` meet the tolerance, the volume is kept, and no part
-    crosses another.
+    ``admissible``: what made the iterate so meets the tolerance, the volume is kept, and no part
+    crosses another; ``converged``: both parts of ``change`` meet it.
     """
 
     position: Array
@@ -65,6 +65,7 @@ class Solution:
     iterations: int
     contact: Contact | None
     planes: Planes | None
+    admissible: bool
     converged: bool
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from cloth.arrays import Array, Bools, Ints
+from cloth.self_contact.planes import PRECISION
 from cloth.self_contact.proximity import VERTEX
 
 
@@ -136,39 +135,56 @@ def project_planes(
     friction: float,
     start: Array,
     z: Array,
+    beyond: Array,
     rub: Array,
 ) -> None:
-    """Move ``z`` (n, 3) [m] into the half-spaces one after the other, ``sweeps`` times.
+    """Project ``z`` (n, 3) [m] on the half-spaces and on the balls of ``limit`` (n,) [m].
 
-    Each by the least change in the metric of the masses: dz_i = (rest - gap) w_i n / m_i over
-    sum_j w_j^2 / m_j; then back within ``limit`` (n,) [m] of the origin. With ``friction`` mu a
-    plane that has pushed by p in all also takes back what its sides slid on each other since
-    ``start`` (n, 3) [m], along the plane, but at most mu p. ``rub`` (n, 3) [m] takes that change.
+    In the metric of the masses: plane k, with the multiplier ``pushed``_k >= 0, moves its nodes by
+    dz_i = d w_i n / m_i over sum_j w_j^2 / m_j, d the gap that lacks, or what can be taken back of
+    former pushes that are no longer needed; and a ball by what is ``beyond`` (n, 3) [m] it. With
+    that memory sweeps over all planes converge to the nearest point of all sets at once, as ADMM
+    needs it (Hildreth 1957; Boyle and Dykstra 1986); without it to any point of all sets. They end
+    after ``sweeps``, or one whose largest push is below ``PRECISION`` of the first.
+    With ``friction`` mu a plane that pushes by p also takes back what its sides slid on each other
+    since ``start`` (n, 3) [m], along the plane, but at most mu p. ``rub`` (n, 3) [m] takes that
+    change. ``beyond`` is what the ball has taken of z so far, and is changed.
     """
     pushed, held = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
 
     def move(i: Ints, share: Array, way: Array) -> None:
-        z[i] += np.outer(share, way)
-        shrink = np.minimum(1.0, limit[i] / np.maximum(np.linalg.norm(z[i], axis=1), 1e-30))
-        z[i] *= np.where(share != 0.0, shrink, 1.0)[:, None]
+        moved = share != 0.0
+        place = z[i] + np.outer(share, way) + beyond[i]
+        shrink = np.minimum(1.0, limit[i] / np.maximum(np.linalg.norm(place, axis=1), 1e-30))
+        z[i] = np.where(moved[:, None], shrink[:, None] * place, z[i])
+        beyond[i] = np.where(moved[:, None], place - z[i], beyond[i])
 
-    for _, k in itertools.product(range(sweeps), range(len(nodes))):
+    def visit(k: int) -> float:
         i, w, n = nodes[k], weights[k], normal[k]
         total = inverse_mass[i] @ w**2
         if total <= 0.0:
-            continue
+            return 0.0
         share = inverse_mass[i] * w / total
-        lacking = rest[k] - n @ (w @ z[i])
-        if lacking > 0.0:
+        lacking = max(rest[k] - n @ (w @ z[i]), -pushed[k])
+        if lacking != 0.0:
             pushed[k] += lacking
             move(i, lacking * share, n)
-        if friction > 0.0 and pushed[k] > 0.0:
-            slip = w @ (z[i] - start[i])
-            slip = slip - (n @ slip) * n + held[k]
-            slip *= min(1.0, friction * pushed[k] / max(float(np.linalg.norm(slip)), 1e-300))
-            taken, held[k] = slip - held[k], slip
-            rub[i] -= np.outer(share, taken)
-            move(i, -share, taken)
+        if not (friction > 0.0 and (pushed[k] > 0.0 or held[k].any())):
+            return float(abs(lacking))
+        slip = w @ (z[i] - start[i])
+        slip = slip - (n @ slip) * n + held[k]
+        slip *= min(1.0, friction * pushed[k] / max(float(np.linalg.norm(slip)), 1e-300))
+        taken, held[k] = slip - held[k], slip
+        rub[i] -= np.outer(share, taken)
+        move(i, -share, taken)
+        return max(abs(lacking), float(np.abs(taken).max()))
+
+    first = 0.0
+    for sweep in range(sweeps):
+        most = max(visit(k) for k in range(len(nodes)))
+        first = most if sweep == 0 else first
+        if most <= PRECISION * first:
+            break
 
 
 def plane_step(
@@ -195,8 +211,10 @@ def plane_step(
     """
     before = z.copy()
     rub[:] = 0.0
+    outward = np.maximum(np.einsum("id,id->i", u, z), 0.0)
+    beyond = outward[:, None] / np.maximum(np.einsum("id,id->i", z, z), 1e-60)[:, None] * z
     project_planes(
-        nodes, weights, normal, rest, inverse_mass, limit, sweeps, friction, start, z, rub
+        nodes, weights, normal, rest, inverse_mass, limit, sweeps, friction, start, z, beyond, rub
     )
     rub *= -weight[:, None]
     change = np.where(weight[:, None] > 0.0, z - before, 0.0)

@@ -119,7 +119,7 @@ def test_bending_loss_is_that_of_the_step_s_own_formula(steps):
         cloth.accept_step()
         before = start
     end = cloth.state.position
-    force = cloth.model.bending_force
+    force = cloth.model.held_normals_force
     moment = tau / kin.b * (force(end) - force(kin.position_anchor))
     expected = -float(np.vdot((end - before) / steps[-1], moment))
     assert cloth.losses().bending == pytest.approx(expected, rel=1e-9)

@@ -400,7 +400,7 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
         rub = np.ones_like(start)
         module.plane_step(
             planes.nodes, planes.weights, planes.normal, planes.rest,
-            inverse, limit, weight, 4, friction, before, z, u, rub, rhs,
+            inverse, limit, weight, SWEEPS, friction, before, z, u, rub, rhs,
         )  # fmt: skip
         answers.append((z, u, rhs, rub))
     for wanted, got in zip(*answers, strict=True):
