@@ -20,6 +20,8 @@ LEAST = 10  # iterations before the first look at what they leave
 SPAN = 5  # iterations over which their contraction is measured
 MARGIN = 0.2  # of a step's first solve: further iterations, which its later solves may need too
 CONTRACTION = (0.5, 0.98)  # bounds: a lucky pair of iterations does not end a solve
+# Iterations in which the slowest contraction divides moves by e^2: without any gain, none comes.
+PATIENCE = round(2.0 / (1.0 - CONTRACTION[1]))
 
 
 class Iteration:
@@ -107,13 +109,25 @@ class Iteration:
         p = self.problem
         return self.done >= LEAST and self.left <= p.settings.tolerance * p.model.size
 
+    @property
+    def stalled(self) -> bool:
+        """Whether the last ``PATIENCE`` iterations have all moved more than one before them."""
+        if self.problem.settings.tolerance <= 0.0 or self.done <= 2 * PATIENCE:
+            return False
+        return min(self.moves[-PATIENCE:]) > min(self.moves[:-PATIENCE])
+
     def look(self) -> None:
-        """Find what touches now; it is kept apart from here on."""
+        """Find what touches now; it is kept apart from here on, as is what touched before.
+
+        A pair that is let go as soon as it has parted meets again, and the iteration finds no end.
+        """
         p, model = self.problem, self.problem.model
         if model.self_contact is not None and np.all(np.isfinite(self.x)):
             x = clamp_to_shell(self.x, p.limit)
             contact = model.self_contact.resolve(p.committed, x, p.limit)
-            self.planes = contact.planes() if len(contact.pairs) else None
+            found = contact.planes
+            if len(found.nodes):
+                self.planes = found if self.planes is None else found.joined(self.planes)
             self.self_rub[:] = 0.0
 
     def finish(self) -> Solution:
@@ -181,7 +195,7 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
             run.advance()
         return run.finish()
     rubs = problem.model.self_contact is not None and problem.settings.self_friction > 0.0
-    while run.done < most and not (run.near_enough and not rubs):
+    while run.done < most and not (run.near_enough and not rubs) and not run.stalled:
         if (near or rubs) and run.planes is None and run.done >= CONTACT_AFTER:
             run.look()
             rubs = False
@@ -189,11 +203,23 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
     if run.near_enough:
         for _ in range(round(MARGIN * run.done)):
             run.advance()
-    solution = run.finish()
-    while run.done < most and not solution.converged:
+    return _parted(run, most)
+
+
+def _parted(run: Iteration, most: int) -> Solution:
+    """The end of ``run`` after at most ``most`` iterations, with planes for all that touches.
+
+    It ends without having converged once as many iterations as the run had before have not halved
+    what is left.
+    """
+    solution, before = run.finish(), run.done
+    best, since = solution.change, before
+    while run.done < most and not solution.converged and run.done - since < before:
         if not solution.admissible:
             run.look()
         for _ in range(CONTACT_EVERY):
             run.advance()
         solution = run.finish()
+        if solution.change < 0.5 * best:
+            best, since = solution.change, run.done
     return solution

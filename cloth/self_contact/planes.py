@@ -47,6 +47,17 @@ class Planes:
                 SWEEPS, friction, start, z, u, rub, rhs,
             )  # fmt: skip
 
+    def joined(self, former: Planes) -> Planes:
+        """These planes and those of the ``former`` ones that part other nodes than any of these."""
+        known = {tuple(group) for group in self.nodes.tolist()}
+        kept = np.array([tuple(group) not in known for group in former.nodes.tolist()], dtype=bool)
+        return Planes(
+            nodes=np.concatenate([self.nodes, former.nodes[kept]]),
+            weights=np.concatenate([self.weights, former.weights[kept]]),
+            normal=np.concatenate([self.normal, former.normal[kept]]),
+            rest=np.concatenate([self.rest, former.rest[kept]]),
+        )
+
 
 @compiled
 def project_planes(

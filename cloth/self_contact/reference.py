@@ -177,7 +177,7 @@ def project_planes(
         taken, held[k] = slip - held[k], slip
         rub[i] -= np.outer(share, taken)
         move(i, -share, taken)
-        return max(abs(lacking), float(np.abs(taken).max()))
+        return float(max(abs(lacking), np.abs(taken).max()))
 
     first = 0.0
     for sweep in range(sweeps):

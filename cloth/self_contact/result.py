@@ -21,7 +21,9 @@ class Contact:
     ``thickness`` [m]; ``position`` (n, 3) [m]. Touching pairs: ``pairs`` (k, 5), kind
     (``proximity``) and four nodes; ``weights`` (k, 4) of their nearest points; ``normal``
     (k, 3) from the second side to the first; ``gap`` (k,) between mid-surfaces [m]; ``slip``
-    (k, 3) [m], the first side's motion along the second during the step. ``near`` (n,): nodes of
+    (k, 3) [m], the first side's motion along the second during the step. ``planes``: half-spaces
+    that keep them apart, by their gap where less than the thickness, and by all of it those pairs
+    that would have passed each other, but no longer touch. ``near`` (n,): nodes of
     pairs within 1.5 thicknesses, and those ``held``. ``moved`` [m], the largest correction;
     ``rigid`` and ``held`` (n,): nodes that the fail-safe moved as rigid zones or left where they
     started. ``failed``: pairs (k, 2) of triangles that crossed at the start and were let through:
@@ -35,6 +37,7 @@ class Contact:
     normal: Array
     gap: Array
     slip: Array
+    planes: Planes
     near: Bools
     moved: float
     rigid: Bools
@@ -50,15 +53,6 @@ class Contact:
         np.add.at(weight, self.pairs[:, 1:], size)
         return np.asarray(total / np.maximum(weight, 1e-30))
 
-    def planes(self) -> Planes:
-        """The touching pairs' half-spaces: their gap, where less than the thickness."""
-        return Planes(
-            nodes=self.pairs[:, 1:].copy(),
-            weights=self.weights,
-            normal=self.normal,
-            rest=np.minimum(self.gap, self.thickness),
-        )
-
 
 def touching(
     *,
@@ -71,7 +65,7 @@ def touching(
     held: Bools,
     failed: Ints,
 ) -> Contact:
-    """The pairs (j, 5) within 1.2 ``thickness`` [m] at ``position`` (n, 3) [m], and their slips.
+    """Those of the ``pairs`` (j, 5) within 1.2 ``thickness`` [m] at ``position`` (n, 3) [m].
 
     ``start``, ``end`` (n, 3) [m]: where the step began, and would have ended without contact.
     """
@@ -81,6 +75,12 @@ def touching(
     near = held.copy()
     near[pairs[gap < NEAR * thickness, 1:]] = True
     on = gap < TOUCHING * thickness
+    rest = np.minimum(gap, thickness)
+    passing = np.einsum("ki,kid,kd->k", weights, end[pairs[:, 1:]], normal) < rest
+    kept, rest = on | passing, np.where(on, rest, gap)
+    planes = Planes(
+        nodes=pairs[kept, 1:], weights=weights[kept], normal=normal[kept], rest=rest[kept]
+    )
     weights, normal = weights[on], normal[on]
     between = np.einsum("ki,kid->kd", weights, (position - start)[pairs[on, 1:]])
     along = np.einsum("kd,kd->k", between, normal)[:, None] * normal
@@ -92,6 +92,7 @@ def touching(
         normal=normal,
         gap=gap[on],
         slip=between - along,
+        planes=planes,
         near=near,
         moved=float(np.linalg.norm(position - end, axis=1).max(initial=0.0)),
         rigid=rigid,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import minimize
 
 from cloth.mesh import hemisphere
 from cloth.self_contact import broad_phase, proximity, reference
@@ -388,7 +389,7 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
     x, triangles = two_sheets(2e-3)
     upper = np.arange(len(x)) >= len(x) // 2
     result = contact(triangles).resolve(x, x - np.where(upper[:, None], [0.0, 0.0, 2e-3], 0.0))
-    planes = result.planes()
+    planes = result.planes
     assert len(planes.nodes) > 0
     start = result.position - np.where(upper[:, None], [0.0, 0.0, 1e-3], 0.0)
     inverse, limit = np.ones(len(x)), np.full(len(x), 1.0)
@@ -400,7 +401,7 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
         rub = np.ones_like(start)
         module.plane_step(
             planes.nodes, planes.weights, planes.normal, planes.rest,
-            inverse, limit, weight, SWEEPS, friction, before, z, u, rub, rhs,
+            inverse, limit, weight, contact_planes.SWEEPS, friction, before, z, u, rub, rhs,
         )  # fmt: skip
         answers.append((z, u, rhs, rub))
     for wanted, got in zip(*answers, strict=True):
@@ -412,3 +413,79 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
         planes.step(inverse, limit, weight, friction, before, z, *none)
     gap = np.einsum("ki,kid,kd->k", planes.weights, z[planes.nodes], planes.normal)
     assert np.min(gap - planes.rest) >= -1e-5
+
+
+def random_planes(rng: np.random.Generator, count: int, nodes: int) -> contact_planes.Planes:
+    """Of ``count`` nodes against three others each, which share many of ``nodes``."""
+    normal = rng.standard_normal((count, 3))
+    weights = rng.dirichlet(np.ones(3), count)
+    return contact_planes.Planes(
+        nodes=np.array([rng.permutation(nodes)[:4] for _ in range(count)]),
+        weights=np.column_stack([np.ones(count), -weights]),
+        normal=normal / np.linalg.norm(normal, axis=1)[:, None],
+        rest=rng.uniform(0.0, 0.2, count),
+    )
+
+
+@pytest.mark.parametrize("radius", [np.inf, 1.0])
+def test_planes_project_on_the_nearest_point_of_all_of_them(radius: float):
+    """In the masses' metric, and of the ball as well, as a general solver finds it.
+
+    Sweeps end at 1e-4 of the first push; the solver's own tolerance is far below.
+    """
+    rng = np.random.default_rng(8)
+    nodes = 7
+    planes, mass = random_planes(rng, 6, nodes), rng.uniform(0.5, 2.0, nodes)
+    wanted = rng.standard_normal((nodes, 3))
+    wanted *= 0.7 / np.linalg.norm(wanted, axis=1)[:, None]
+    wanted[:3] *= 2.0  # beyond the ball
+    rows = np.zeros((6, nodes, 3))
+    for k in range(6):
+        rows[k, planes.nodes[k]] = planes.weights[k][:, None] * planes.normal[k]
+    flat = rows.reshape(6, -1)
+    bounds = [{"type": "ineq", "fun": lambda x: flat @ x - planes.rest, "jac": lambda _: flat}]
+    if np.isfinite(radius):
+        bounds += [
+            {"type": "ineq", "fun": lambda x: radius**2 - np.sum(x.reshape(-1, 3) ** 2, axis=1)}
+        ]
+    exact = minimize(
+        lambda x: 0.5 * np.repeat(mass, 3) @ (x - wanted.ravel()) ** 2,
+        np.zeros(3 * nodes), jac=lambda x: np.repeat(mass, 3) * (x - wanted.ravel()),
+        constraints=bounds, method="SLSQP", options={"ftol": 1e-14, "maxiter": 500},
+    )  # fmt: skip
+    assert exact.success
+    size = np.linalg.norm(wanted, axis=1)[:, None]
+    z = wanted * np.minimum(1.0, radius / size)
+    u, rhs, rub = wanted - z, np.zeros_like(z), np.zeros_like(z)
+    pushed = (planes.rest - flat @ z.ravel()).max()
+    planes.step(1.0 / mass, np.full(nodes, radius), 3.0 * mass, 0.0, z, z, u, rub, rhs)
+    assert pushed > 0.1
+    np.testing.assert_allclose(z.ravel(), exact.x, atol=20.0 * contact_planes.PRECISION * pushed)
+    np.testing.assert_allclose(z + u, wanted, atol=1e-14)
+
+
+def test_planes_part_what_would_have_passed():
+    """Two sheets that change sides in a step end far apart, and touch nothing."""
+    x, triangles = two_sheets(6e-3)
+    upper = np.arange(len(x)) >= len(x) // 2
+    end = x - np.where(upper[:, None], [0.0, 0.0, 40e-3], 0.0)
+    result = contact(triangles).resolve(x, end)
+    planes = result.planes
+    for at, kept in ((end, False), (result.position, True)):
+        gap = np.einsum("ki,kid,kd->k", planes.weights, at[planes.nodes], planes.normal)
+        assert np.all(gap - planes.rest >= -1e-12) == kept
+    assert np.isin(np.flatnonzero(upper), planes.nodes).all()
+
+
+def test_planes_join_those_of_other_pairs():
+    rng = np.random.default_rng(9)
+    first, second = random_planes(rng, 4, 9), random_planes(rng, 3, 9)
+    newer = contact_planes.Planes(
+        nodes=np.concatenate([second.nodes, first.nodes[:1]]),
+        weights=np.concatenate([second.weights, first.weights[:1]]),
+        normal=np.concatenate([second.normal, -first.normal[:1]]),
+        rest=np.concatenate([second.rest, first.rest[:1]]),
+    )
+    joined = newer.joined(first)
+    np.testing.assert_array_equal(joined.nodes, np.concatenate([newer.nodes, first.nodes[1:]]))
+    np.testing.assert_array_equal(joined.normal, np.concatenate([newer.normal, first.normal[1:]]))
