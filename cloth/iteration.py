@@ -56,8 +56,9 @@ class Iteration:
         rhs, gradient = self.force.copy(), self.gradient
         r = p.settings.relaxation if self.done else 1.0
         cone = kernels.triangle_step(
-            self.x, model.triangles, model.gradients, model.areas, self.penalty, r,
-            self.tensile, self.compressive, model.poisson, p.rest, self.z, self.u,
+            self.x, model.triangles, model.corner_starts, model.corners,
+            model.gradients, model.areas, self.penalty, r, self.tensile,
+            self.compressive, model.poisson, p.rest, self.z, self.u,
             self.datum, self.slope, model.free, gradient, rhs,
         )  # fmt: skip
         node_kernels.node_step(

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from cloth.arrays import Array, Bools, Ints
 from cloth.compiled import compiled
 
@@ -15,40 +17,46 @@ from cloth.compiled import compiled
 def limited(
     first: float, second: float, penalty: float, tensile: float, compressive: float, poisson: float
 ) -> tuple[float, float]:
-    """See ``cloth.reference.limited``."""
+    """See ``cloth.reference.limited``. Without branches: see ``project_stretch``."""
     soft = 1.0 / (penalty + compressive)
     e, f = first - 1.0, second - 1.0
     both = penalty * (e + f) / (penalty + tensile / (1.0 - poisson))
     apart = penalty * (e - f) / (penalty + tensile / (1.0 + poisson))
-    if compressive >= tensile or f >= 0.5 * (both - apart):
-        return 1.0 + 0.5 * (both + apart), 1.0 + 0.5 * (both - apart)
-    if e > 0.0:
-        a = penalty * e / (penalty + tensile)
-        return 1.0 + a, 1.0 + (penalty * f - compressive * poisson * a) * soft
-    return 1.0 + penalty * e * soft, 1.0 + penalty * f * soft
+    two = (compressive >= tensile) | (f >= 0.5 * (both - apart))
+    one = e > 0.0
+    pull = penalty * e / (penalty + tensile)
+    narrowing = compressive * poisson * pull if one else 0.0
+    a = pull if one else penalty * e * soft
+    b = (penalty * f - narrowing) * soft
+    return 1.0 + (0.5 * (both + apart) if two else a), 1.0 + (0.5 * (both - apart) if two else b)
 
 
 @compiled
 def project_stretch(
-    a: float, b: float, c: float, penalty: float, tensile: float, compressive: float, poisson: float
-) -> tuple[float, float, float]:
-    """Entries (p, q, s) of the symmetric P with z = y P: V diag(sigma'/sigma) V^T.
+    square: Array, penalty: Array, tensile: Array, compressive: Array, poisson: float
+) -> None:
+    """Overwrite y^T y, the columns xx, xy, yy of ``square`` (3 m,), with the P of z = y P.
 
-    ``a``, ``b``, ``c``: y^T y = [[a, b], [b, c]].
+    P = V diag(sigma'/sigma) V^T. A loop without branches over few arrays of one dimension, which
+    the compiler takes several triangles at a time.
     """
-    mean, half = 0.5 * (a + c), 0.5 * (a - c)
-    spread = math.sqrt(half * half + b * b)
-    s1 = math.sqrt(mean + spread)
-    s2 = math.sqrt(max(mean - spread, 1e-12))
-    if compressive == 0.0 and s1 <= 1.0:
-        return 1.0, 0.0, 1.0
-    f1, f2 = limited(s1, s2, penalty, tensile, compressive, poisson)
-    f1, f2 = f1 / max(s1, 1e-6), f2 / s2
-    if spread <= 1e-14 * mean:
-        return f1, 0.0, f1
-    cos2, sin2 = half / spread, b / spread
-    middle, deviation = 0.5 * (f1 + f2), 0.5 * (f1 - f2)
-    return middle + deviation * cos2, deviation * sin2, middle - deviation * cos2
+    for t in range(len(penalty)):
+        a, b, c = square[3 * t], square[3 * t + 1], square[3 * t + 2]
+        mean, half = 0.5 * (a + c), 0.5 * (a - c)
+        spread = math.sqrt(half * half + b * b)
+        larger, smaller = mean + spread, mean - spread
+        s1 = math.sqrt(larger if larger > 1e-12 else 1e-12)
+        s2 = math.sqrt(smaller if smaller > 1e-12 else 1e-12)
+        f1, f2 = limited(s1, s2, penalty[t], tensile[t], compressive[t], poisson)
+        f1, f2 = f1 / s1, f2 / s2
+        alike = spread <= 1e-14 * mean
+        over = 1.0 / (1.0 if alike else spread)
+        middle = f1 if alike else 0.5 * (f1 + f2)
+        deviation = 0.0 if alike else 0.5 * (f1 - f2)
+        cos2, sin2 = half * over, b * over
+        square[3 * t] = middle + deviation * cos2
+        square[3 * t + 1] = deviation * sin2
+        square[3 * t + 2] = middle - deviation * cos2
 
 
 @compiled
@@ -62,7 +70,7 @@ def project_shifted(
     compressive: float,
     poisson: float,
 ) -> tuple[float, float, float]:
-    """The same of a sheet free of tension at the strain ``rest`` (3,): see ``cloth.viscous``.
+    """The entries of P of a sheet free of tension at the strain ``rest`` (3,): see ``cloth.viscous``.
 
     U = 1 + rest + g of the g that ``limited`` leaves of sqrt(y^T y) - 1 - rest, and z = y P is the
     nearest to y of all with that U: P = U (U y^T y U)^(-1/2) U.
@@ -90,9 +98,110 @@ def project_shifted(
 
 
 @compiled
+def _asked(
+    x: Array,
+    triangles: Ints,
+    gradients: Array,
+    relaxation: float,
+    z: Array,
+    u: Array,
+    datum: float,
+    slope: Array,
+    square: Array,
+    normal: Array,
+    pressure: Array,
+) -> float:
+    """What ``triangle_step`` asks of every triangle: y into ``u``; returns the volume.
+
+    ``square`` (3 m,) becomes y^T y, ``normal`` (m, 3) a third of the area vector, ``pressure``
+    (m, 3) that at the corners.
+    """
+    over, volume = 1.0 - relaxation, 0.0
+    s0, s1, s2 = slope
+    for t in range(triangles.shape[0]):
+        i, j, k = triangles[t]
+        i0, i1, i2 = x[i, 0], x[i, 1], x[i, 2]
+        a0, a1, a2 = x[j, 0] - i0, x[j, 1] - i1, x[j, 2] - i2
+        b0, b1, b2 = x[k, 0] - i0, x[k, 1] - i1, x[k, 2] - i2
+        n0 = (a1 * b2 - a2 * b1) / 6.0
+        n1 = (a2 * b0 - a0 * b2) / 6.0
+        n2 = (a0 * b1 - a1 * b0) / 6.0
+        normal[t, 0], normal[t, 1], normal[t, 2] = n0, n1, n2
+        volume += i0 * n0 + i1 * n1 + i2 * n2
+        pa = 0.25 * (s0 * a0 + s1 * a1 + s2 * a2)
+        pb = 0.25 * (s0 * b0 + s1 * b1 + s2 * b2)
+        pi = datum + s0 * i0 + s1 * i1 + s2 * i2 + pa + pb
+        pressure[t, 0], pressure[t, 1], pressure[t, 2] = pi, pi + pa, pi + pb
+        # F maps the moulded plane: the gradients of the three corners sum to zero.
+        g1, h1 = relaxation * gradients[t, 1, 0], relaxation * gradients[t, 1, 1]
+        g2, h2 = relaxation * gradients[t, 2, 0], relaxation * gradients[t, 2, 1]
+        y00 = a0 * g1 + b0 * g2 + over * z[t, 0, 0] + u[t, 0, 0]
+        y10 = a1 * g1 + b1 * g2 + over * z[t, 1, 0] + u[t, 1, 0]
+        y20 = a2 * g1 + b2 * g2 + over * z[t, 2, 0] + u[t, 2, 0]
+        y01 = a0 * h1 + b0 * h2 + over * z[t, 0, 1] + u[t, 0, 1]
+        y11 = a1 * h1 + b1 * h2 + over * z[t, 1, 1] + u[t, 1, 1]
+        y21 = a2 * h1 + b2 * h2 + over * z[t, 2, 1] + u[t, 2, 1]
+        u[t, 0, 0], u[t, 0, 1], u[t, 1, 0] = y00, y01, y10
+        u[t, 1, 1], u[t, 2, 0], u[t, 2, 1] = y11, y20, y21
+        square[3 * t] = y00 * y00 + y10 * y10 + y20 * y20
+        square[3 * t + 1] = y00 * y01 + y10 * y11 + y20 * y21
+        square[3 * t + 2] = y01 * y01 + y11 * y11 + y21 * y21
+    return volume
+
+
+@compiled
+def _pull(
+    gradients: Array,
+    areas: Array,
+    penalty: Array,
+    square: Array,
+    normal: Array,
+    pressure: Array,
+    z: Array,
+    u: Array,
+    force: Array,
+) -> None:
+    """From y in ``u`` to z = y P and u = y - z; ``force`` (m, 3, 3) [N] on the corners."""
+    for t in range(len(areas)):
+        p, q, s = square[3 * t], square[3 * t + 1], square[3 * t + 2]
+        weight = penalty[t] * areas[t]
+        g1, h1 = weight * gradients[t, 1, 0], weight * gradients[t, 1, 1]
+        g2, h2 = weight * gradients[t, 2, 0], weight * gradients[t, 2, 1]
+        for d in range(3):
+            v, w, n = u[t, d, 0], u[t, d, 1], normal[t, d]
+            z0, z1 = v * p + w * q, v * q + w * s
+            z[t, d, 0], z[t, d, 1] = z0, z1
+            u[t, d, 0], u[t, d, 1] = v - z0, w - z1
+            w0, w1 = 2.0 * z0 - v, 2.0 * z1 - w
+            second, third = w0 * g1 + w1 * h1, w0 * g2 + w1 * h2
+            force[t, 0, d] = pressure[t, 0] * n - second - third
+            force[t, 1, d] = pressure[t, 1] * n + second
+            force[t, 2, d] = pressure[t, 2] * n + third
+
+
+@compiled
+def _collect(
+    starts: Ints, corners: Ints, free: Bools, normal: Array, force: Array, gradient: Array,
+    rhs: Array,
+) -> None:  # fmt: skip
+    """Add to ``rhs`` what acts on the nodes' corners, and sum their normals into ``gradient``."""
+    for i in range(len(free)):
+        g0, g1, g2, f0, f1, f2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for r in range(starts[i], starts[i + 1]):
+            t, c = corners[r, 0], corners[r, 1]
+            g0, g1, g2 = g0 + normal[t, 0], g1 + normal[t, 1], g2 + normal[t, 2]
+            f0, f1, f2 = f0 + force[t, c, 0], f1 + force[t, c, 1], f2 + force[t, c, 2]
+        rhs[i, 0], rhs[i, 1], rhs[i, 2] = rhs[i, 0] + f0, rhs[i, 1] + f1, rhs[i, 2] + f2
+        on = 1.0 if free[i] else 0.0
+        gradient[i, 0], gradient[i, 1], gradient[i, 2] = on * g0, on * g1, on * g2
+
+
+@compiled
 def triangle_step(
     x: Array,
     triangles: Ints,
+    starts: Ints,
+    corners: Ints,
     gradients: Array,
     areas: Array,
     penalty: Array,
@@ -110,52 +219,21 @@ def triangle_step(
     rhs: Array,
 ) -> float:
     """See ``cloth.reference.triangle_step``."""
-    over, volume, shifted = 1.0 - relaxation, 0.0, len(rest) > 0
-    s0, s1, s2 = slope
-    gradient[:] = 0.0
-    for t in range(triangles.shape[0]):
-        i, j, k = triangles[t]
-        i0, i1, i2 = x[i, 0], x[i, 1], x[i, 2]
-        a0, a1, a2 = x[j, 0] - i0, x[j, 1] - i1, x[j, 2] - i2
-        b0, b1, b2 = x[k, 0] - i0, x[k, 1] - i1, x[k, 2] - i2
-        # F maps the moulded plane: the gradients of the three corners sum to zero.
-        g1, h1 = relaxation * gradients[t, 1, 0], relaxation * gradients[t, 1, 1]
-        g2, h2 = relaxation * gradients[t, 2, 0], relaxation * gradients[t, 2, 1]
-        y00 = a0 * g1 + b0 * g2 + over * z[t, 0, 0] + u[t, 0, 0]
-        y10 = a1 * g1 + b1 * g2 + over * z[t, 1, 0] + u[t, 1, 0]
-        y20 = a2 * g1 + b2 * g2 + over * z[t, 2, 0] + u[t, 2, 0]
-        y01 = a0 * h1 + b0 * h2 + over * z[t, 0, 1] + u[t, 0, 1]
-        y11 = a1 * h1 + b1 * h2 + over * z[t, 1, 1] + u[t, 1, 1]
-        y21 = a2 * h1 + b2 * h2 + over * z[t, 2, 1] + u[t, 2, 1]
-        a = y00 * y00 + y10 * y10 + y20 * y20
-        b = y00 * y01 + y10 * y11 + y20 * y21
-        c = y01 * y01 + y11 * y11 + y21 * y21
-        pull, push = tensile[t], compressive[t]
-        if shifted:
-            p, q, s = project_shifted(a, b, c, rest[t], penalty[t], pull, push, poisson)
-        else:
-            p, q, s = project_stretch(a, b, c, penalty[t], pull, push, poisson)
-        n0 = (a1 * b2 - a2 * b1) / 6.0
-        n1 = (a2 * b0 - a0 * b2) / 6.0
-        n2 = (a0 * b1 - a1 * b0) / 6.0
-        volume += i0 * n0 + i1 * n1 + i2 * n2
-        pa = 0.25 * (s0 * a0 + s1 * a1 + s2 * a2)
-        pb = 0.25 * (s0 * b0 + s1 * b1 + s2 * b2)
-        pi = datum + s0 * i0 + s1 * i1 + s2 * i2 + pa + pb
-        weight = penalty[t] * areas[t] / relaxation
-        for d, v, w, n in ((0, y00, y01, n0), (1, y10, y11, n1), (2, y20, y21, n2)):
-            z0, z1 = v * p + w * q, v * q + w * s
-            z[t, d, 0], z[t, d, 1] = z0, z1
-            u[t, d, 0], u[t, d, 1] = v - z0, w - z1
-            w0, w1 = weight * (2.0 * z0 - v), weight * (2.0 * z1 - w)
-            second, third = w0 * g1 + w1 * h1, w0 * g2 + w1 * h2
-            rhs[i, d] += pi * n - second - third
-            rhs[j, d] += (pi + pa) * n + second
-            rhs[k, d] += (pi + pb) * n + third
-            gradient[i, d] += n
-            gradient[j, d] += n
-            gradient[k, d] += n
-    _hold(free, gradient)
+    m = triangles.shape[0]
+    square, normal, pressure = np.empty(3 * m), np.empty((m, 3)), np.empty((m, 3))
+    force = np.empty((m, 3, 3))
+    volume = _asked(
+        x, triangles, gradients, relaxation, z, u, datum, slope, square, normal, pressure
+    )
+    if len(rest) == 0:
+        project_stretch(square, penalty, tensile, compressive, poisson)
+    for t in range(len(rest)):
+        square[3 * t], square[3 * t + 1], square[3 * t + 2] = project_shifted(
+            square[3 * t], square[3 * t + 1], square[3 * t + 2], rest[t],
+            penalty[t], tensile[t], compressive[t], poisson,
+        )  # fmt: skip
+    _pull(gradients, areas, penalty, square, normal, pressure, z, u, force)
+    _collect(starts, corners, free, normal, force, gradient, rhs)
     return volume
 
 

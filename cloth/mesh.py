@@ -115,6 +115,17 @@ def lumped(mesh: Mesh, per_area: Array | float = 1.0) -> Array:
     return result
 
 
+def corners_of(triangles: Ints, size: int) -> tuple[Ints, Ints]:
+    """The corners at each of ``size`` nodes: from ``starts`` (size + 1,), in rows (3 m, 2).
+
+    A row is a triangle and which of its corners, 0 to 2.
+    """
+    nodes = triangles.ravel()
+    order = np.argsort(nodes, kind="stable")
+    starts = np.searchsorted(nodes[order], np.arange(size + 1))
+    return starts, np.stack([order // 3, order % 3], axis=1)
+
+
 def border_nodes(triangles: Ints) -> Ints:
     """Nodes on edges of one triangle only, sorted; none where the sheet is closed."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)

@@ -12,7 +12,7 @@ from cloth.bending import bending_of
 from cloth.linear import System, stretch_matrix
 from cloth.load import Settings
 from cloth.material import Diaphragm
-from cloth.mesh import Mesh, lumped, rest_gradients
+from cloth.mesh import Mesh, corners_of, lumped, rest_gradients
 from cloth.self_contact.resolve import SelfContact
 
 
@@ -42,6 +42,7 @@ class ClothModel:
         self.shell_radius = shell_radius
         self.limit = np.full(len(mesh.points), np.inf if shell_radius is None else shell_radius)
         self.triangles, self.free = mesh.triangles, ~mesh.fixed
+        self.corner_starts, self.corners = corners_of(mesh.triangles, len(mesh.points))
         self.size = 0.5 * float(np.ptp(mesh.points, axis=0).max())
         self.gradients, self.areas = rest_gradients(mesh.points, mesh.triangles)
         if thickness is None:

@@ -179,6 +179,8 @@ def pressure_step(x: Array, triangles: Ints, datum: float, slope: Array, rhs: Ar
 def triangle_step(
     x: Array,
     triangles: Ints,
+    starts: Ints,
+    corners: Ints,
     gradients: Array,
     areas: Array,
     penalty: Array,
@@ -197,7 +199,8 @@ def triangle_step(
 ) -> float:
     """``membrane_step``, ``pressure_step`` and ``volume_and_gradient``, whose result it returns.
 
-    One pass over the triangles in the compiled twin. ``rhs`` of fixed nodes means nothing.
+    ``starts``, ``corners``: those of ``cloth.mesh.corners_of``, by which the compiled twin collects
+    what acts on a node. ``rhs`` of fixed nodes means nothing.
     """
     membrane_step(
         x, triangles, gradients, areas, penalty, relaxation, tensile, compressive, poisson,

@@ -6,6 +6,7 @@ import numpy as np
 
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
+from cloth.vector_rows import subtract_products
 
 
 @compiled
@@ -52,42 +53,26 @@ def substitute(
 
 
 @compiled
-def _reduce(values: Array, q: int, head: int, width: int, work: Array, i: int) -> int:
-    """Take ``values[q:q + width]`` times the rows from ``head`` off row ``i``; where they end."""
-    x, y, z = work[i, 0], work[i, 1], work[i, 2]
-    for b in range(head, head + width):
-        g, q = values[q], q + 1
-        x, y, z = x - g * work[b, 0], y - g * work[b, 1], z - g * work[b, 2]
-    work[i, 0], work[i, 1], work[i, 2] = x, y, z
-    return q
-
-
-@compiled
 def forwards(
     heads: Ints, row_starts: Ints, rows: Ints, value_starts: Ints, values: Array, work: Array
 ) -> None:
-    """Overwrite ``work`` (n, 3) with L^-1 work; its three columns stay in registers.
-
-    Two rows at a time, so that one sum need not wait for the other.
-    """
+    """Overwrite ``work`` (n, 4) with L^-1 work, four rows at a time."""
+    every = np.arange(len(work))
     for s in range(len(heads) - 1):
         head, width, q = heads[s], heads[s + 1] - heads[s], value_starts[s]
-        for a in range(head + 1, head + width):
-            q = _reduce(values, q, head, a - head, work, a)
-        first, last = row_starts[s], row_starts[s + 1]
-        for r in range(first, last - 1, 2):
-            i, j = rows[r], rows[r + 1]
-            x, y, z = work[i, 0], work[i, 1], work[i, 2]
-            u, v, w = work[j, 0], work[j, 1], work[j, 2]
-            for b in range(head, head + width):
-                g, h, q = values[q], values[q + width], q + 1
-                x, y, z = x - g * work[b, 0], y - g * work[b, 1], z - g * work[b, 2]
-                u, v, w = u - h * work[b, 0], v - h * work[b, 1], w - h * work[b, 2]
+        for a in range(1, width):
+            subtract_products(work, (head + a,), every[head : head + a], values, q, (0, 1))
+            q += a
+        block, r, last = every[head : head + width], row_starts[s], row_starts[s + 1]
+        while r + 4 <= last:
+            targets = (rows[r], rows[r + 1], rows[r + 2], rows[r + 3])
+            subtract_products(work, targets, block, values, q, (width, 1))
+            q += 4 * width
+            r += 4
+        while r < last:
+            subtract_products(work, (rows[r],), block, values, q, (0, 1))
             q += width
-            work[i, 0], work[i, 1], work[i, 2] = x, y, z
-            work[j, 0], work[j, 1], work[j, 2] = u, v, w
-        if (last - first) % 2 == 1:
-            _reduce(values, q, head, width, work, rows[last - 1])
+            r += 1
 
 
 @compiled
@@ -100,24 +85,33 @@ def backwards(
     pivots: Array,
     work: Array,
 ) -> None:
-    """Overwrite ``work`` (n, 3) with (D L^T)^-1 work."""
+    """Overwrite ``work`` (n, 4) with (D L^T)^-1 work, four columns of L at a time."""
+    every = np.arange(len(work))
     for s in range(len(heads) - 2, -1, -1):
         head, width, triangle = heads[s], heads[s + 1] - heads[s], value_starts[s]
-        below = triangle + width * (width - 1) // 2
-        for b in range(width - 1, -1, -1):
-            scale, q = 1.0 / pivots[head + b], below + b
-            x, y, z = (
-                scale * work[head + b, 0],
-                scale * work[head + b, 1],
-                scale * work[head + b, 2],
-            )
-            for r in range(row_starts[s], row_starts[s + 1]):
-                i, g, q = rows[r], values[q], q + width
-                x, y, z = x - g * work[i, 0], y - g * work[i, 1], z - g * work[i, 2]
-            for a in range(b + 1, width):
-                i, g = head + a, values[triangle + a * (a - 1) // 2 + b]
-                x, y, z = x - g * work[i, 0], y - g * work[i, 1], z - g * work[i, 2]
-            work[head + b, 0], work[head + b, 1], work[head + b, 2] = x, y, z
+        q, below = triangle + width * (width - 1) // 2, rows[row_starts[s] : row_starts[s + 1]]
+        for b in range(head, head + width):
+            scale = 1.0 / pivots[b]
+            for d in range(4):
+                work[b, d] *= scale
+        b = 0
+        while b + 4 <= width:
+            c = head + b
+            subtract_products(work, (c, c + 1, c + 2, c + 3), below, values, q + b, (1, width))
+            b += 4
+        while b < width:
+            subtract_products(work, (head + b,), below, values, q + b, (0, width))
+            b += 1
+        for a in range(width - 1, 0, -1):
+            row, q = every[head + a : head + a + 1], triangle + a * (a - 1) // 2
+            b = 0
+            while b + 4 <= a:
+                c = head + b
+                subtract_products(work, (c, c + 1, c + 2, c + 3), row, values, q + b, (1, 0))
+                b += 4
+            while b < a:
+                subtract_products(work, (head + b,), row, values, q + b, (0, 0))
+                b += 1
 
 
 @compiled
@@ -133,10 +127,11 @@ def solve_nodes(
     result: Array,
 ) -> None:
     """See ``Factor.solve``."""
-    work = np.empty((len(order), 3))
+    work = np.empty((len(order), 4))
     for i in range(len(order)):
         for d in range(3):
             work[i, d] = right[order[i], d]
+        work[i, 3] = 0.0
     forwards(heads, row_starts, rows, value_starts, values, work)
     backwards(heads, row_starts, rows, value_starts, values, pivots, work)
     for i in range(len(order)):

@@ -11,7 +11,7 @@ from cloth import kernels, node_kernels, reference
 from cloth.bending import bending_of
 from cloth.factors import factor_of
 from cloth.linear import System, stretch_matrix
-from cloth.mesh import Mesh, hemisphere, rest_gradients
+from cloth.mesh import Mesh, corners_of, hemisphere, rest_gradients
 
 ROUNDING = 1e-11  # sums of a few hundred terms of order one, in another order
 
@@ -39,11 +39,11 @@ def test_triangle_step(mesh, crumpled, tensile, compressive, poisson, strained):
     slope = np.array([100.0, -30.0, -9810.0])
     z0, u0 = rng.normal(size=(2, len(areas), 3, 2)) * 0.1
     rest = rng.normal(size=(len(areas) if strained else 0, 3)) * 0.05
-    answers = []
+    corners, answers = corners_of(mesh.triangles, len(crumpled)), []
     for module in (reference, kernels):
         z, u, rhs, gradient = z0.copy(), u0.copy(), np.zeros_like(crumpled), np.empty_like(crumpled)
         cone = module.triangle_step(
-            crumpled, mesh.triangles, gradients, areas, penalty, 1.4, tensile, compressive,
+            crumpled, mesh.triangles, *corners, gradients, areas, penalty, 1.4, tensile, compressive,
             poisson, rest, z, u, 700.0, slope, ~mesh.fixed, gradient, rhs,
         )  # fmt: skip
         answers.append((z, u, rhs, gradient, np.array(cone)))
@@ -57,7 +57,8 @@ def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
     rhs, gradient = np.zeros((2, *mesh.points.shape))
     one = np.ones(len(areas))
     kernels.triangle_step(
-        1.5 * mesh.points, mesh.triangles, gradients, areas, one, 1.0, 1e15 * one, 0.0 * one, 0.5,
+        1.5 * mesh.points, mesh.triangles, *corners_of(mesh.triangles, len(mesh.points)),
+        gradients, areas, one, 1.0, 1e15 * one, 0.0 * one, 0.5,
         np.empty((0, 3)), z, u, 0.0, np.zeros(3), ~mesh.fixed, gradient, rhs,
     )  # fmt: skip
     np.testing.assert_allclose(np.linalg.svd(z, compute_uv=False), 1.0, atol=1e-12)
