@@ -70,7 +70,7 @@ def project_shifted(
     compressive: float,
     poisson: float,
 ) -> tuple[float, float, float]:
-    """The entries of P of a sheet free of tension at the strain ``rest`` (3,): see ``cloth.viscous``.
+    """The same P where the strain ``rest`` (3,) is free of tension: see ``cloth.viscous``.
 
     U = 1 + rest + g of the g that ``limited`` leaves of sqrt(y^T y) - 1 - rest, and z = y P is the
     nearest to y of all with that U: P = U (U y^T y U)^(-1/2) U.
@@ -265,6 +265,24 @@ def volume_and_gradient(x: Array, triangles: Ints, free: Bools, gradient: Array)
             gradient[node, 2] += n2
     _hold(free, gradient)
     return volume
+
+
+@compiled
+def triangle_strains(x: Array, triangles: Ints, gradients: Array, strain: Array) -> None:
+    """See ``cloth.reference.triangle_strains``."""
+    for t in range(triangles.shape[0]):
+        i, j, k = triangles[t]
+        g1, h1 = gradients[t, 1, 0], gradients[t, 1, 1]
+        g2, h2 = gradients[t, 2, 0], gradients[t, 2, 1]
+        a, b, c = 0.0, 0.0, 0.0
+        for d in range(3):
+            first, second = x[j, d] - x[i, d], x[k, d] - x[i, d]
+            v, w = first * g1 + second * g2, first * h1 + second * h2
+            a, b, c = a + v * v, b + v * w, c + w * w
+        root = math.sqrt(max(a * c - b * b, 0.0))
+        size = math.sqrt(max(a + c + 2.0 * root, 1e-300))
+        strain[t, 0], strain[t, 1] = (a + root) / size - 1.0, b / size
+        strain[t, 2] = (c + root) / size - 1.0
 
 
 @compiled

@@ -96,6 +96,17 @@ def shifted(
     return np.asarray(left @ right @ stretch)
 
 
+def triangle_strains(x: Array, triangles: Ints, gradients: Array, strain: Array) -> None:
+    """Biot's strain sqrt(F^T F) - 1 of every triangle into ``strain`` (m, 3): see ``viscous``."""
+    stretch = np.einsum("tid,tie->tde", x[triangles], gradients)
+    first, second = stretch[:, :, 0], stretch[:, :, 1]
+    pairs = ((first, first), (first, second), (second, second))
+    a, b, c = (np.einsum("td,td->t", one, other) for one, other in pairs)
+    root = np.sqrt(np.maximum(a * c - b * b, 0.0))
+    size = np.sqrt(np.maximum(a + c + 2.0 * root, 1e-300))
+    strain[:] = np.stack([(a + root) / size - 1.0, b / size, (c + root) / size - 1.0], axis=1)
+
+
 def principal_strains(x: Array, triangles: Ints, gradients: Array, strain: Array) -> float:
     """Largest principal strain sigma_max - 1 of every triangle into ``strain`` (m,)."""
     stretch = np.einsum("tid,tie->tde", x[triangles], gradients)

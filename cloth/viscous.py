@@ -19,18 +19,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from cloth import kernels
 from cloth.arrays import Array, Bools, Ints
 
 
 def triangle_strain(position: Array, triangles: Ints, gradients: Array) -> Array:
     """Strain (m, 3) [-] of the triangles at ``position`` (n, 3) [m]."""
-    stretch = np.einsum("tid,tie->tde", position[triangles], gradients)
-    first, second = stretch[:, :, 0], stretch[:, :, 1]
-    pairs = ((first, first), (first, second), (second, second))
-    a, b, c = (np.einsum("td,td->t", one, other) for one, other in pairs)
-    root = np.sqrt(np.maximum(a * c - b * b, 0.0))
-    size = np.sqrt(np.maximum(a + c + 2.0 * root, 1e-300))
-    return np.stack([(a + root) / size - 1.0, b / size, (c + root) / size - 1.0], axis=1)
+    strain = np.empty((len(triangles), 3))
+    kernels.triangle_strains(position, triangles, gradients, strain)
+    return strain
 
 
 def free_strain(rubber: Array, ratio: float) -> Array:

@@ -43,8 +43,8 @@ def test_triangle_step(mesh, crumpled, tensile, compressive, poisson, strained):
     for module in (reference, kernels):
         z, u, rhs, gradient = z0.copy(), u0.copy(), np.zeros_like(crumpled), np.empty_like(crumpled)
         cone = module.triangle_step(
-            crumpled, mesh.triangles, *corners, gradients, areas, penalty, 1.4, tensile, compressive,
-            poisson, rest, z, u, 700.0, slope, ~mesh.fixed, gradient, rhs,
+            crumpled, mesh.triangles, *corners, gradients, areas, penalty, 1.4,
+            tensile, compressive, poisson, rest, z, u, 700.0, slope, ~mesh.fixed, gradient, rhs,
         )  # fmt: skip
         answers.append((z, u, rhs, gradient, np.array(cone)))
     for wanted, got in zip(*answers, strict=True):
@@ -63,6 +63,14 @@ def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
     )  # fmt: skip
     np.testing.assert_allclose(np.linalg.svd(z, compute_uv=False), 1.0, atol=1e-12)
     np.testing.assert_allclose(u, 0.5 * z, atol=1e-12)
+
+
+def test_triangle_strains(mesh, crumpled):
+    gradients, areas = rest_gradients(mesh.points, mesh.triangles)
+    wanted, got = np.empty((2, len(areas), 3))
+    for module, strain in ((reference, wanted), (kernels, got)):
+        module.triangle_strains(crumpled, mesh.triangles, gradients, strain)
+    np.testing.assert_allclose(got, wanted, atol=1e-12)
 
 
 def test_principal_strains(mesh, crumpled):
