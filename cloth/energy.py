@@ -96,8 +96,8 @@ def stretch_energy(model: ClothModel, position: Array, rubber: Array | None = No
     Plane stress of the ``rubber``'s own strain (m, 3), C m:m/2, and K/2 of the square of what its
     wrinkles take up beyond it, K the compressive stiffness. Without ``rubber`` that of a sheet
     without memory: T e^2/2 + K (f + nu e)^2/2 where the second principal strain f is slack,
-    K (e^2 + f^2)/2 where both are; T is E t. These are the functions of which ``kernels.limited``
-    takes the proximal points, but for terms of K beside T.
+    K (e^2 + f^2)/2 where both are; T is E t. These are the functions of which
+    ``triangle_kernels.limited`` takes the proximal points, but for terms of K beside T.
     """
     strain = triangle_strain(position, model.triangles, model.gradients)
     if rubber is None:

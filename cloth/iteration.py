@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cloth import kernels, node_kernels
+from cloth import node_kernels, triangle_kernels
 from cloth.arrays import Array
 from cloth.contact import clamp_to_shell, stuck
 from cloth.ending import Bounds, VolumeLostError, ending
@@ -55,7 +55,7 @@ class Iteration:
         p, model, bent = self.problem, self.problem.model, self.problem.model.bending
         rhs, gradient = self.force.copy(), self.gradient
         r = p.settings.relaxation if self.done else 1.0
-        cone = kernels.triangle_step(
+        cone = triangle_kernels.triangle_step(
             self.x, model.triangles, model.corner_starts, model.corners,
             model.gradients, model.areas, self.penalty, r, self.tensile,
             self.compressive, model.poisson, p.rest, self.z, self.u,
@@ -181,12 +181,15 @@ class Iteration:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what diverges is found, and said, in ``finish``
-def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near: bool) -> Solution:
+def iterate(
+    problem: StepProblem, force: Array, first: Solution | None, *, near: bool, alone: bool = False
+) -> Solution:
     """Solve the step under nodal ``force`` (n, 3) [N].
 
     ``first``: the step's first solution, which decided the number of iterations and what touches;
     None: as many as it takes to converge, within the settings' bound. ``near``: whether parts of
     the sheet were near each other at the step's start, so that it pays to look while iterating.
+    ``alone``: no later solve will need the margin.
     Raises ArithmeticError when the iteration diverges.
     """
     most = problem.settings.iterations
@@ -201,7 +204,7 @@ def iterate(problem: StepProblem, force: Array, first: Solution | None, *, near:
             run.look()
             rubs = False
         run.advance()
-    if run.near_enough:
+    if run.near_enough and not alone:
         for _ in range(round(MARGIN * run.done)):
             run.advance()
     return _parted(run, most)

@@ -175,12 +175,13 @@ class Cloth:
         """Whether the last solve of this step met its tolerance and kept the volume."""
         return self._solution is None or self._solution.converged
 
-    def solve(self, force: Array) -> Array:
+    def solve(self, force: Array, *, alone: bool = False) -> Array:
         """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 
         The first solve of a step decides the number of iterations and which parts of the sheet
         touch, and the following ones keep to it, so that the answer is a continuous function of
-        ``force``. The committed state stays.
+        ``force``. The committed state stays. ``alone``: the step is solved this once, so that the
+        first solve need not go on for the others.
         Raises ArithmeticError when the iteration diverges, and never returns what is not finite.
         """
         self._begun()
@@ -188,7 +189,7 @@ class Cloth:
             return self._memory.position.copy()
         assert self._problem is not None
         near = bool(self._memory.near[0])
-        self._solution = iterate(self._problem, force, self._first, near=near)
+        self._solution = iterate(self._problem, force, self._first, near=near, alone=alone)
         self._first = self._first or self._solution
         return self._solution.position.copy()
 

@@ -9,8 +9,7 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def subtract_products(
+def _subtract_products(
     context: Any, work: Any, targets: Any, sources: Any, values: Any, place: Any, steps: Any
 ) -> Any:
     """``work[t] -= sum_n values[q + i a + n b] work[sources[n]]`` for the i-th t of ``targets``.
@@ -59,3 +58,6 @@ def subtract_products(
         types.void(work, types.UniTuple(types.int64, count), sources, values, types.int64, pair),
         build,
     )
+
+
+subtract_products: Any = intrinsic(_subtract_products)

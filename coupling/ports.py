@@ -148,6 +148,9 @@ class Structure(Protocol):
 class IterativeStructure(Structure, Protocol):
     """A diaphragm whose solve is an iteration of its own."""
 
+    def solve(self, force: Array, *, alone: bool = False) -> Array:
+        """See ``Structure``; ``alone``: the step is solved this once."""
+
     @property
     def converged(self) -> bool:
         """Whether the last solve reached its tolerance."""

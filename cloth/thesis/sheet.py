@@ -107,9 +107,10 @@ class ThesisSheet:
         self._begun()
         return self._dt**2
 
-    def solve(self, force: Array) -> Array:
+    def solve(self, force: Array, *, alone: bool = False) -> Array:
         """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N]; the state stays.
 
+        ``alone`` changes nothing: every solve costs the same.
         Raises ArithmeticError when a projection finds no end, and never returns what is not finite.
         """
         load, m = self._begun(), self._memory

@@ -35,7 +35,7 @@ class DryStep:
         clock = perf_counter()
         try:
             self.cloth.begin_step(dt, load)
-            self.cloth.solve(np.zeros_like(self.cloth.reference))
+            self.cloth.solve(np.zeros_like(self.cloth.reference), alone=True)
         finally:
             self._seconds += perf_counter() - clock
         return self.cloth.converged

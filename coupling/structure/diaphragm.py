@@ -21,8 +21,8 @@ from coupling.ports import (
     Array,
     DiaphragmState,
     HydrostaticLoad,
+    IterativeStructure,
     RunFailed,
-    Structure,
 )
 from coupling.scene.scene import Scene
 from coupling.scene.wrinkles import grid_spacing
@@ -36,7 +36,7 @@ BUCKLING = 0.25
 CREEP = 1e-4  # force over rho g R^3, below which a sheet that finds no rest starts all the same
 
 
-class Diaphragm(Structure, Protocol):
+class Diaphragm(IterativeStructure, Protocol):
     """A structure that can be held where it settled."""
 
     mass: Array  # (n,) [kg]

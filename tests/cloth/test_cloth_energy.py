@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cloth import kernels
 from cloth.bending import carried_areas
 from cloth.energy import sheet_energy, sheet_losses, stretch_energy
 from cloth.flat import strip
@@ -16,6 +15,7 @@ from cloth.material import Diaphragm
 from cloth.mesh import hemisphere
 from cloth.model import ClothModel
 from cloth.state import Memory
+from cloth.triangle_kernels import limited
 
 RUBBER = Diaphragm(density=1070.0, thickness=0.002, youngs_modulus=8.6e6, poisson_ratio=0.45)
 STIFFNESS = 8.6e6 * 0.002
@@ -64,7 +64,7 @@ def test_a_stiff_sheet_stores_each_direction_by_itself():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_iteration_takes_proximal_points_of_this_energy(seed: int):
-    """``kernels.limited`` minimises the energy plus k/2 of the squared distance, in stretches.
+    """``limited`` minimises the energy plus k/2 of the squared distance, in stretches.
 
     But for what slack across adds to the stress along, C nu f beside E t: squared over twice the
     stiffness is how far from the least the energy is.
@@ -77,7 +77,7 @@ def test_the_iteration_takes_proximal_points_of_this_energy(seed: int):
         held = stretch_energy(sheet, sheet.mesh.points * [a, b, 1.0]) / area
         return held + 0.5 * k * ((a - first) ** 2 + (b - second) ** 2)
 
-    a, b = kernels.limited(first, second, k, STIFFNESS, 10.0, 0.45)
+    a, b = limited(first, second, k, STIFFNESS, 10.0, 0.45)
     best = total(a, b) - 0.5 * (10.0 * 0.45 * 0.5) ** 2 / (k + STIFFNESS)
     for turn in np.linspace(0.0, 2.0 * np.pi, 9):
         assert total(a + 1e-4 * np.cos(turn), b + 1e-4 * np.sin(turn)) > best

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
-from cloth import kernels, node_kernels, reference
+from cloth import kernels, node_kernels, reference, triangle_kernels
 from cloth.bending import bending_of
 from cloth.factors import factor_of
 from cloth.linear import System, stretch_matrix
@@ -40,7 +40,7 @@ def test_triangle_step(mesh, crumpled, tensile, compressive, poisson, strained):
     z0, u0 = rng.normal(size=(2, len(areas), 3, 2)) * 0.1
     rest = rng.normal(size=(len(areas) if strained else 0, 3)) * 0.05
     corners, answers = corners_of(mesh.triangles, len(crumpled)), []
-    for module in (reference, kernels):
+    for module in (reference, triangle_kernels):
         z, u, rhs, gradient = z0.copy(), u0.copy(), np.zeros_like(crumpled), np.empty_like(crumpled)
         cone = module.triangle_step(
             crumpled, mesh.triangles, *corners, gradients, areas, penalty, 1.4,
@@ -56,7 +56,7 @@ def test_projection_of_equal_stretches_is_a_uniform_scaling(mesh):
     z, u = np.zeros((2, len(areas), 3, 2))
     rhs, gradient = np.zeros((2, *mesh.points.shape))
     one = np.ones(len(areas))
-    kernels.triangle_step(
+    triangle_kernels.triangle_step(
         1.5 * mesh.points, mesh.triangles, *corners_of(mesh.triangles, len(mesh.points)),
         gradients, areas, one, 1.0, 1e15 * one, 0.0 * one, 0.5,
         np.empty((0, 3)), z, u, 0.0, np.zeros(3), ~mesh.fixed, gradient, rhs,
