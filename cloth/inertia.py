@@ -25,10 +25,6 @@ class Kinematics:
         """x~ (n, 3) [m]: the acceleration at x is (x - x~) / b^2."""
         return self.position_anchor + self.b * self.velocity_anchor
 
-    def steady(self, velocity: Array, change: Array) -> Array:
-        """Where (n, 3) [m] the ``velocity`` of the start and its further ``change`` lead."""
-        return self.position_anchor + self.b * (velocity + change)
-
     def velocity(self, position: Array) -> Array:
         """(n, 3) [m/s]."""
         return (position - self.position_anchor) / self.b

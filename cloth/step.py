@@ -126,7 +126,7 @@ class Cloth:
             kin=kin,
             load=load,
             committed=m.position,
-            start=kin.steady(m.velocity, self._change_of_velocity(dt)),
+            start=m.position + dt * m.velocity,
             datum=float(m.datum[0]),
             tension=m.tension,
             rest=free_strain(m.rubber_strain, settings.stretch_damping / dt),
@@ -134,13 +134,6 @@ class Cloth:
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
             limit=self.model.limit,
         )
-
-    def _change_of_velocity(self, dt: float) -> Array:
-        """What the last step's acceleration would add (n, 3) [m/s]; of a longer step its own."""
-        m = self._memory
-        before = float(m.previous_dt[0])
-        share = min(dt / before, 1.0) if before > 0.0 else 0.0
-        return share * (m.velocity - m.previous_velocity)
 
     def _factorised(self, settings: Settings, penalty: float, b: float) -> System:
         """The matrix for this b; the last few are kept, so that a first Euler step costs little."""
