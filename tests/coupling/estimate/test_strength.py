@@ -79,7 +79,8 @@ def test_a_step_that_fails_is_halved_and_the_last_failure_is_raised(monkeypatch)
     """The parts add up to the whole step, each under the load of its own end."""
     cloth, begun, taken = diaphragm_of(shaken(1.25, 0.25)), [], []
 
-    def solve(_):
+    def solve(_, *, alone):
+        assert alone
         if begun[-1][0] > 0.0026:
             raise ArithmeticError("too far")
 
