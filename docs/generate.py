@@ -51,7 +51,8 @@ def _mathml(text: str) -> str:
         text,
         flags=re.DOTALL,
     )
-    return re.sub(r"\$([^$\n]+)\$", lambda found: convert(found[1]), text)
+    text = re.sub(r"\bp\*", "p&#42;", text)  # not the beginning of an emphasis
+    return re.sub(r"\$([^$]+)\$", lambda found: f"<span>{convert(found[1])}</span>", text)
 
 
 def scene_keys() -> str:

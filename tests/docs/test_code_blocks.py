@@ -125,7 +125,7 @@ def test_the_readme_is_short() -> None:
 
 def test_the_message_that_is_shown_is_the_one_that_is_given(folder: Path) -> None:
     page = ROOT / "docs" / "pages" / "tutorials" / "engineer.md"
-    scene, shown = (b for b in blocks_of(page) if b.title or "must be" in b.text)
+    scene, shown = (b for b in blocks_of(page) if b.title or "must lie in" in b.text)
     (folder / "sway").mkdir()
     wrong = scene.text.replace("fill_fraction = 0.8", "fill_fraction = 1.4")
     (folder / "sway" / "scene.toml").write_text(wrong)
