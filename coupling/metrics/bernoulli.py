@@ -11,14 +11,27 @@ from coupling.ports import Array, Ints
 
 
 def effective_gravity(gravity: Array, tank_acceleration: Array) -> float:
-    """Largest |g - a_tank| [m/s^2] of ``gravity`` (3,) and ``tank_acceleration`` (T, 3)."""
+    """Return the largest |g - a_tank| of a run [m/s^2].
+
+    Parameters
+    ----------
+    gravity
+        Gravity g (3,) [m/s^2], constant.
+    tank_acceleration
+        Acceleration a_tank of the tank (T, 3) [m/s^2] at T instants; without any, |g| is returned.
+
+    Returns
+    -------
+    float
+        The largest magnitude [m/s^2] over the instants given; what lies between them is not seen.
+    """
     if len(tank_acceleration) == 0:
         return float(np.linalg.norm(gravity))
     return float(np.linalg.norm(gravity - tank_acceleration, axis=1).max())
 
 
 def kinetic_ratio(*, body_force: float, radius: float, speed_max: float | None) -> float | None:
-    """rho g_eff R over rho max|u|^2/2: the ratio of thesis Eq. 4.6, with the measured speed.
+    """Return rho g_eff R over rho max|u|^2/2: the ratio of thesis Eq. 4.6, with the measured speed.
 
     ``body_force`` [m/s^2], ``radius`` [m], ``speed_max`` [m/s], None where the model has no flow:
     then, or for a liquid at rest, None.
@@ -27,7 +40,7 @@ def kinetic_ratio(*, body_force: float, radius: float, speed_max: float | None) 
 
 
 def unsteady_ratio(*, body_force: float, radius: float, dphi_dt_max: float | None) -> float | None:
-    """rho g_eff R over max|rho dphi/dt|: what thesis Eq. 4.6 forgets, the added mass.
+    """Return rho g_eff R over max|rho dphi/dt|: what thesis Eq. 4.6 leaves out, the added mass.
 
     ``dphi_dt_max`` [m^2/s^2]: largest |p*/rho + |u|^2/2| on the diaphragm's free part, less its
     mean there (see ``fluids.gauge``), None where the model has no flow.
@@ -43,12 +56,29 @@ def dynamic_fraction(
     body_force: Array,
     density: float,
 ) -> float | None:
-    """rms of p* over rms of the hydrostatic pressure rho b.x, over the interface and time.
+    """Return the rms of p* over the rms of the hydrostatic pressure rho b.x.
 
-    ``position`` (T, n, 3) [m], ``triangles`` (m, 3), ``dynamic_pressure`` (T, n) [Pa],
-    ``body_force`` (T, 3) [m/s^2]: gravity less the tank's acceleration. Of both, the interface's
-    mean at each instant is removed; nodes count with a third of their triangles' area. 0 for
-    models without a flow. None without instants, or where the hydrostatic pressure is uniform.
+    Both are taken over the interface and over time; of both, the mean over the interface at each
+    instant is removed first. A node counts with a third of the area of its triangles.
+
+    Parameters
+    ----------
+    position
+        Nodes of the diaphragm (T, n, 3) [m] at T instants.
+    triangles
+        Nodes of each triangle (m, 3).
+    dynamic_pressure
+        p* at the nodes (T, n) [Pa].
+    body_force
+        Gravity less the tank's acceleration b (T, 3) [m/s^2].
+    density
+        Density of the liquid rho [kg/m^3].
+
+    Returns
+    -------
+    float or None
+        The ratio [-], 0 for models without a flow; None without instants, or where the
+        hydrostatic pressure is uniform.
     """
     if len(position) == 0:
         return None
@@ -66,14 +96,16 @@ PARTS = {
 
 
 def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str, float | None]:
-    """rms over interface and time [Pa] of the hydrostatic pressure, of p* and of its parts, and
-    the parts' fractions of the first.
+    """Return the rms [Pa] of the hydrostatic pressure, of p* and of its parts, and their fractions.
 
-    ``metrics`` (T,) by name, rms over the interface at every instant, as ``dynamic_fraction`` has
-    them. ``unsteady``: p* less its kinetic part -rho |u|^2/2, which of an inviscid liquid is
-    -rho dphi/dt exactly, and otherwise holds what vorticity does as well. ``viscous``: the size of
-    the viscous stress on the diaphragm, which acts on it besides. None where the model has no flow,
-    or the results do not hold it.
+    ``metrics`` (T,) [Pa] by name: rms over the interface at every instant, as ``dynamic_fraction``
+    takes them. The rms returned is that over interface and time; a fraction is that of a part over
+    that of the hydrostatic pressure.
+
+    ``unsteady``: p* less its kinetic part -rho |u|^2/2, which of an inviscid liquid is
+    -rho dphi/dt exactly, and otherwise includes the effect of vorticity. ``viscous``: the magnitude
+    of the viscous stress on the diaphragm, which acts in addition to p*. None where the model has
+    no flow, or the results do not hold the value.
     """
     whole = _over_time(metrics.get("hydrostatic_pressure_rms"))
     names = {"dynamic": "dynamic_pressure_rms"} | PARTS
@@ -90,7 +122,20 @@ def _over_time(rms: Array | None) -> float | None:
 
 
 def node_areas(position: Array, triangles: Ints) -> Array:
-    """A third of the adjacent triangles' area (T, n) [m^2] at nodes ``position`` (T, n, 3)."""
+    """Return the area of every node: a third of the area of the triangles around it.
+
+    Parameters
+    ----------
+    position
+        Nodes (T, n, 3) [m] at T instants.
+    triangles
+        Nodes of each triangle (m, 3).
+
+    Returns
+    -------
+    Array
+        Areas (T, n) [m^2]; their sum over the nodes is the area of all triangles, to rounding.
+    """
     corner = position[:, triangles]
     normal = np.cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0])
     third = np.linalg.norm(normal, axis=2) / 6.0
@@ -104,7 +149,21 @@ def node_areas(position: Array, triangles: Ints) -> Array:
 
 
 def weighted_rms(values: Array, weight: Array) -> float:
-    """Root mean square of ``values`` (T, n) less their mean at each instant, by ``weight``."""
+    """Return the weighted root mean square of values whose mean at each instant is removed first.
+
+    Parameters
+    ----------
+    values
+        Values (T, n), of any unit, at T >= 1 instants.
+    weight
+        Weights (T, n), not negative, such as the nodes' areas [m^2]; only their ratios at one
+        instant count, since every instant has the same weight.
+
+    Returns
+    -------
+    float
+        The rms over nodes and instants, in the unit of ``values``.
+    """
     total = weight.sum(axis=1, keepdims=True)
     mean = (values * weight).sum(axis=1, keepdims=True) / total
     return float(np.sqrt((weight * (values - mean) ** 2 / total).sum(axis=1).mean()))

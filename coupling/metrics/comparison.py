@@ -68,7 +68,27 @@ def _same_mesh(one: Results, other: Results) -> bool:
 
 
 def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
-    """Rows of equal times in two sorted series [s]; equal means within 1e-6 of the end time."""
+    """Return the rows at which two sorted series of instants have equal times.
+
+    Parameters
+    ----------
+    time
+        Instants of one series (T,) [s], increasing.
+    other
+        Instants of the other series (S,) [s], increasing.
+
+    Returns
+    -------
+    rows : Ints
+        Rows of ``time`` (k,) that have an equal in ``other``; none where a series is empty.
+    other_rows : Ints
+        The rows of ``other`` (k,) that equal them: the nearest in time.
+
+    Notes
+    -----
+    Times are equal when they differ by 1e-6 of the last instant of ``other`` at most. Whether the
+    series are sorted is not checked.
+    """
     if len(time) == 0 or len(other) == 0:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     after = np.minimum(np.searchsorted(other, time), len(other) - 1)
@@ -79,7 +99,7 @@ def common_instants(time: Array, other: Array) -> tuple[Ints, Ints]:
 
 
 def cg_motion(mine: Mapping[str, Any], best: Mapping[str, Any]) -> float | None:
-    """|c - c_best|/|c_best| of two complex CG amplitudes (3,), each a summary's ``cg``.
+    """Return |c - c_best|/|c_best| of two complex CG amplitudes (3,), each a summary's ``cg``.
 
     Amplitude and phase in one number. None where either has none, or the second does not move.
     """

@@ -21,10 +21,10 @@ REGULARISATIONS = ("bending_damping_J", "drag_J")  # stand for no loss of the ru
 
 
 def rest(metrics: dict[str, Array]) -> Array:
-    """What of ``dissipated`` (T,) [J] neither the liquid nor a named loss of the sheet took.
+    """Return what of ``dissipated`` (T,) [J] neither the liquid nor a named loss of the sheet took.
 
-    The sheet's impacts on the shell, on itself and where it snaps taut, and its time stepping.
-    Negative where those make energy.
+    It comes from the sheet's impacts on the shell and on itself, from where it snaps taut, and from
+    the time stepping. Negative where those add energy.
     """
     known = sum((metrics[name] for name in SHARES.values() if name in metrics), np.zeros(1))
     return np.asarray(metrics["dissipated"] - known)

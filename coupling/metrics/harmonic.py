@@ -26,11 +26,11 @@ class Harmonic:
 
     @property
     def amplitude(self) -> Array:
-        """(k,), in the signal's unit."""
+        """Amplitude (k,) of every signal, in the signal's unit."""
         return np.abs(self.coefficient)
 
     def phase_deg(self, reference: complex) -> list[float | None]:
-        """Angle against ``reference`` in (-180, 180], negative where the signal lags.
+        """Return the angles against ``reference`` in (-180, 180], negative where a signal lags.
 
         None for a component of no amplitude, or without a reference.
         """
@@ -46,7 +46,7 @@ class Harmonic:
 def last_whole_periods(
     time: Array, frequency: float, start: float = 0.0
 ) -> tuple[NDArray[np.bool_], int]:
-    """Which instants (T,) to fit, and how many periods they span.
+    """Return which instants (T,) to fit, and how many periods they span.
 
     The later half of the whole periods after ``start`` [s], where the shaking has reached its
     amplitude, one at the least; of a run that ends before, its last whole period. Half open, so
@@ -67,14 +67,30 @@ def last_whole_periods(
 
 
 def first_harmonic(time: Array, signal: Array, frequency: float, *, periods: int) -> Harmonic:
-    """Least squares of a constant, a cosine and a sine of ``frequency`` [Hz].
+    """Fit a constant, a cosine and a sine of one frequency to signals, by least squares.
 
-    ``time`` (N,) [s], ``signal`` (N, k).
+    Parameters
+    ----------
+    time
+        Instants (N,) [s], in any order and spacing that tells the three functions apart.
+    signal
+        Signals (N, k), of any unit.
+    frequency
+        Frequency [Hz] of cosine and sine.
+    periods
+        Number of whole periods that the instants span: kept in the result, not used in the fit.
 
-    Exact, up to rounding, for such signals at any instants that tell them apart. Noise of
-    standard deviation s leaves s sqrt(2/N) in the amplitude. Higher harmonics leave nothing at
-    evenly spaced instants over whole periods; a frequency in between, such as free sloshing that
-    has not died away, leaks in the order of its amplitude over the number of periods.
+    Returns
+    -------
+    Harmonic
+        Complex coefficients (k,) and means (k,), in the unit of the signals.
+
+    Notes
+    -----
+    Exact, up to rounding, for such signals at any instants that tell them apart. Noise of standard
+    deviation s leaves s sqrt(2/N) in the amplitude. Higher harmonics leave nothing at evenly spaced
+    instants over whole periods; a frequency in between, such as free sloshing that has not died
+    away, leaks in the order of its amplitude over the number of periods.
     """
     angle = 2.0 * np.pi * frequency * time
     basis = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=1)

@@ -13,16 +13,32 @@ _EDGE_ON = 1e-9  # of three radii's product: a corner of the thesis' square lies
 
 
 def material_interpolation(moulded: Array, triangles: Ints, places: Array) -> csr_array:
-    """Matrix (k, n) that takes nodal values of one mesh to the moulded ``places`` of another.
+    """Return the matrix that takes nodal values of one mesh to the moulded points of another.
 
-    ``moulded`` (n, 3) [m], nodes of a hemisphere about the origin, closed up to its rim;
-    ``triangles`` (m, 3); ``places`` (k, 3) [m] on the hemisphere. Either may be moulded above the
-    equator or below it, as the thesis' grid is: a material point is given by its azimuth and its
-    angle from the pole.
+    Parameters
+    ----------
+    moulded
+        Moulded nodes (n, 3) [m] of a hemisphere about the origin, closed up to its rim.
+    triangles
+        Nodes of each triangle (m, 3).
+    places
+        Points (k, 3) [m] on the same hemisphere, none at the origin.
 
-    Linear in the triangle that the place's radius meets, which is exact for fields linear in
-    space along the facets. Of a smooth field it misses |field''| h^2/8 at the most, h the longest
-    edge: of the moulded shape itself h^2/(8 R), 0.12 % of R with 16 rings.
+    Returns
+    -------
+    csr_array
+        Sparse matrix (k, n) [-] with three entries a row, which sum to 1.
+
+    Notes
+    -----
+    Either mesh may be moulded above the equator or below it, as the thesis' grid is: a material
+    point is given by its azimuth and its angle from the pole.
+
+    Linear in the triangle that the ray from the origin through the point meets, which is exact for
+    fields linear in space along the facets. Of a smooth field it misses |field''| h^2/8 at the
+    most, h the longest edge: of the moulded shape itself h^2/(8 R), 0.12 % of R with 16 rings.
+    Among the 24 triangles with the nearest centroids the one that fits the ray best is taken;
+    whether the ray meets it is not checked.
     """
     corners = _above(moulded)[triangles]
     seen = np.abs(np.linalg.det(corners)) > _EDGE_ON * np.linalg.norm(corners, axis=2).prod(axis=1)

@@ -25,12 +25,27 @@ class Rub:
 
 
 def rub(slip: Array, reference: Array, triangles: Ints) -> Rub | None:
-    """Largest and mean of the nodes' ``slip`` (n,) [m]; None where none is above a micrometre.
+    """Return the largest and the mean slip of the nodes, and where the largest is.
 
-    ``reference`` (n, 3) [m], the moulded hemisphere about the origin, its pole on the z axis;
-    ``triangles`` (m, 3). In the mean a node counts with a third of its triangles' moulded area:
-    exact for a slip that is linear in each triangle. Of equal largest slips the first is taken.
-    The wear itself, which also grows with the contact's pressure, is not computed.
+    Parameters
+    ----------
+    slip
+        Distance that each node has slid (n,) [m].
+    reference
+        Nodes of the moulded hemisphere about the origin (n, 3) [m], its pole on the z axis.
+    triangles
+        Nodes of each triangle (m, 3).
+
+    Returns
+    -------
+    Rub or None
+        Slips [m] and a place [degrees]; None where no slip is above a micrometre.
+
+    Notes
+    -----
+    In the mean a node counts with a third of its triangles' moulded area: exact for a slip that is
+    linear in each triangle. Of equal largest slips the first is taken. The wear itself, which also
+    grows with the contact's pressure, is not computed.
     """
     node = int(np.argmax(slip))
     largest = float(slip[node])
@@ -48,9 +63,10 @@ def rub(slip: Array, reference: Array, triangles: Ints) -> Rub | None:
 
 
 def mould_angles(reference: Array) -> tuple[Array, Array]:
-    """Polar angle from the pole and azimuth from x, each (...) [rad], of ``reference`` (..., 3).
+    """Return the polar angle from the pole and the azimuth from x, each (...) [rad].
 
-    The pole is that of the half space, upper or lower, in which the points lie.
+    ``reference`` (..., 3) [m]: moulded points. The pole is that of the half space, upper or lower,
+    in which they lie.
     """
     x, y, z = np.moveaxis(reference, -1, 0)
     return np.arctan2(np.hypot(x, y), np.abs(z)), np.arctan2(y, x)

@@ -12,17 +12,31 @@ _EDGES = np.logspace(-7.0, 0.0, 351)  # 50 classes a decade: a quantile is right
 
 
 def spread(strain: Array, areas: Array) -> Array:
-    """Area (351,) [m^2] of the triangles in each class of ``strain`` (m,) [-].
+    """Return the area of the triangles in each class of strain.
 
-    ``areas`` (m,) [m^2]. The first class has what is compressed or hardly strained, the last one
-    all beyond the last edge but one.
+    Parameters
+    ----------
+    strain
+        Largest principal tensile strain of every triangle (m,) [-].
+    areas
+        Area of every triangle (m,) [m^2].
+
+    Returns
+    -------
+    Array
+        Area (351,) [m^2] by class, 50 classes a decade from 1e-7 to 1. The first class has what is
+        compressed or hardly strained, the last one all beyond the last edge but one.
     """
     place = np.minimum(np.searchsorted(_EDGES, strain), len(_EDGES) - 1)
     return np.asarray(np.bincount(place, weights=areas, minlength=len(_EDGES)), dtype=np.float64)
 
 
 def quantile(areas: Sequence[float], share: float) -> float:
-    """The strain [-] that a ``share`` of the gathered ``areas`` (351,) stays below, within 5 %."""
+    """Return the strain [-] that a ``share`` of the gathered ``areas`` (351,) stays below.
+
+    Within 5 %, the width of a class; 0 in the first class, or without areas. ``areas`` by class as
+    in ``spread``, of which only the ratios count.
+    """
     gathered = np.cumsum(areas)
     if len(gathered) == 0:
         return 0.0
