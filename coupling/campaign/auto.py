@@ -106,9 +106,25 @@ def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str,
 
 
 def path_error(time: Array, cg: Array, other_time: Array, other_cg: Array) -> float | None:
-    """rms distance of two CG paths at their common instants over the rms way of the second.
+    """Return the rms distance of two CG paths over the rms displacement of the second.
 
-    ``time`` (T,) [s], ``cg`` (T, 3) [m]; None where the second does not move.
+    Each path is taken relative to its first point, at the instants that both paths have.
+
+    Parameters
+    ----------
+    time
+        Instants of the first path (T,) [s], increasing.
+    cg
+        CG on the first path (T, 3) [m], T >= 1.
+    other_time
+        Instants of the second path (S,) [s], increasing.
+    other_cg
+        CG on the second path (S, 3) [m], S >= 1.
+
+    Returns
+    -------
+    float or None
+        The relative distance [-]; None where the second does not move, or no instant is common.
     """
     rows, other_rows = common_instants(time, other_time)
     way = other_cg[other_rows] - other_cg[0]

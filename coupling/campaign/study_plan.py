@@ -30,7 +30,7 @@ class Entry:
 
     @property
     def place(self) -> Path:
-        """Its folder within the study's."""
+        """Folder of the run, relative to the study's."""
         if self.resolution == AS_RUN:
             return Path(self.row)
         return Path("discretisation") / self.row / self.resolution

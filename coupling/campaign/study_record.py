@@ -30,11 +30,11 @@ class StudyRecord:
         self._errors: dict[tuple[Path, str], Errors] = {}
 
     def add(self, entry: Entry, summary: Summary) -> None:
-        """Take in a run that has ended, however."""
+        """Record a run that has ended, whether it completed or failed."""
         self._done.append((entry, summary))
 
     def add_impossible(self, row: str, reason: str) -> None:
-        """Take in a row that there is no scene for."""
+        """Record a row as failed for which no scene can be made, with the ``reason``."""
         self._failed[row] = {"status": "failed", "error": reason}
 
     @property
@@ -54,7 +54,7 @@ class StudyRecord:
         ]
 
     def to_dict(self) -> dict[str, Any]:
-        """``study.json``."""
+        """Return what ``study.json`` holds."""
         best = self.reference
         own = {
             entry.resolution: self._error(entry, summary, best)

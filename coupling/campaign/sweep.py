@@ -130,7 +130,7 @@ def _outcomes(
 
 
 def default_workers(plan: Plan) -> int:
-    """As many as there are cores, or as fit where a flow solver takes several."""
+    """Return how many workers to start: one a core, or fewer where a flow solver takes several."""
     cores = len(os.sched_getaffinity(0))
     taken = [
         FLUIDS[name].cores(scene) for point in plan.points for name, scene in point.scenes.items()
