@@ -51,20 +51,41 @@ def slosh_eigenvalue(level: float) -> float:
 
 
 def covered_eigenvalue(eigenvalue: float, cover: float) -> float:
-    """The same below a limp cover of ``cover`` = mass per area over rho R, moving with the surface.
+    """Return omega^2 R/g of a mode below a limp cover, from its ``eigenvalue`` without one.
 
-    A level cover's weight adds no stiffness, and its inertia acts as so much less gravity, of every
-    mode alike: 1/lambda' = 1/lambda + cover, exactly.
+    ``cover``: mass per area over rho R; the cover moves with the surface. A level cover's weight
+    adds no stiffness, and its inertia acts as so much less gravity, of every mode alike, exactly:
+
+    1/lambda' = 1/lambda + cover.
     """
     return 1.0 / (1.0 / eigenvalue + cover)
 
 
 def surface_inertia(level: float, node: Array, weight: Array, heights: Array) -> Array:
-    """Twice the liquid's kinetic energy, over pi rho R^3, of ``heights`` (k, q) times cos(angle).
+    """Return twice the liquid's kinetic energy, over pi rho R^3, for given rates of its surface.
 
-    (k, k), each height's rate times the other's potential over the surface. ``node`` (q,): distance
-    from the axis over the surface's radius, ``weight`` (q,): of a quadrature over it, of degree
-    2 ``DEGREE`` at least. Heights that are much shorter than pi R/``DEGREE`` are not resolved.
+    The entry for two rates of height is the integral over the surface of the one times the
+    potential of the other.
+
+    Parameters
+    ----------
+    level
+        Depth of the liquid over the radius, h/R in (0, 2); not checked.
+    node
+        Distances (q,) of the quadrature's points from the axis, over the radius of the surface.
+    weight
+        Weights (q,) [-] of a quadrature over [0, 1], exact for degree 2 ``DEGREE`` at least.
+    heights
+        Rates of height (k, q) at the points, of any unit u; each is that times cos(angle).
+
+    Returns
+    -------
+    Array
+        Symmetric matrix (k, k) [u^2].
+
+    Notes
+    -----
+    Heights that vary over lengths much shorter than pi R/``DEGREE`` are not resolved.
     """
     from scipy.linalg import solve
 
