@@ -137,5 +137,5 @@ def _cell(name: str, value: float | None, bar: float | None, below: bool) -> str
 
 
 def times(value: float | None) -> str:
-    """A speed-up."""
+    """Return a speed-up as text; a dash for None."""
     return "–" if value is None else f"{number(value)} ×"

@@ -10,10 +10,24 @@ _OFF_THE_NODES = 1.3e-7  # of the size: a plane through nodes would cut triangle
 
 
 def cut(position: Array, triangles: Ints, direction: Array) -> list[Array]:
-    """Curves (k, 2) [m] of a surface in the plane of ``direction`` and z: distance along, height.
+    """Return the curves in which a vertical plane through the tank's axis cuts a surface.
 
-    ``position`` (n, 3) [m], ``triangles`` (m, 3), ``direction`` (3,), of which the horizontal part
-    counts (x where there is none). The curves follow the surface from rim to rim.
+    The plane is moved aside by 1.3e-7 of the largest coordinate, so that it meets no node.
+
+    Parameters
+    ----------
+    position
+        Nodes of the surface (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3).
+    direction
+        Vector (3,) of any length whose horizontal part lies in the plane; x where it has none.
+
+    Returns
+    -------
+    list of Array
+        Curves (k, 2) [m]: distance along the direction, and height z. They follow the surface from
+        rim to rim, from the smaller distance to the larger.
     """
     along = horizontal(direction)
     normal = np.array([-along[1], along[0], 0.0])
@@ -29,7 +43,7 @@ def cut(position: Array, triangles: Ints, direction: Array) -> list[Array]:
 
 
 def horizontal(direction: Array) -> Array:
-    """Unit vector (3,) along the horizontal part of ``direction``; x where it has none."""
+    """Return the unit vector (3,) along ``direction``'s horizontal part; x where it has none."""
     flat = np.array([direction[0], direction[1], 0.0])
     length = float(np.linalg.norm(flat))
     return flat / length if length > 0.0 else np.array([1.0, 0.0, 0.0])

@@ -43,7 +43,7 @@ class Grid:
 
     @property
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """Of the points that are done."""
+        """Rows of the points that are done."""
         rows: Sequence[Mapping[str, Any]] = self.content["rows"]
         return rows
 
@@ -76,7 +76,10 @@ class Grid:
         return np.meshgrid(*axes, indexing="ij")[index]
 
     def error(self, model: str, name: str) -> Array:
-        """Of ``model`` against the reference; NaN where that is not the sweep's own one."""
+        """Return the errors ``name`` of ``model`` against the reference, by point.
+
+        NaN where the reference of a point is not that of the sweep.
+        """
         best = self.content["reference"]
         return self._filled(
             lambda row: (
@@ -85,11 +88,11 @@ class Grid:
         )
 
     def number(self, name: str) -> Array:
-        """A dimensionless number of the scene, such as ``frequency_ratio``."""
+        """Return a dimensionless number of the scene, such as ``frequency_ratio``, by point."""
         return self._filled(lambda row: row["numbers"].get(name))
 
     def failed(self) -> NDArray[np.bool_]:
-        """Where a model failed."""
+        """Return at which points a model failed."""
         return np.isfinite(self._filled(lambda row: 1.0 if row["failure"] else None))
 
     def _filled(self, pick: Callable[[Mapping[str, Any]], float | None]) -> Array:
