@@ -73,7 +73,19 @@ METRIC_UNITS = {
 
 
 def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles: Ints) -> None:
-    """Write what does not change, and every dataset over time without a row."""
+    """Write what does not change, and every dataset over time without rows, to an empty file.
+
+    Parameters
+    ----------
+    file
+        An open ``h5py.File`` without these datasets.
+    attributes
+        Attributes of the file by name, beside ``schema``.
+    reference
+        Nodes of the diaphragm as moulded (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3).
+    """
     file.attrs.update({"schema": SCHEMA, **attributes})
     _dataset(file, "diaphragm/triangles", np.asarray(triangles, np.int64), "-")
     _dataset(file, "diaphragm/reference", np.asarray(reference, float), "m")
@@ -85,7 +97,7 @@ def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles
 
 
 def dims_of(name: str) -> tuple[str, ...]:
-    """Dimensions of a field's row by the field's name in ``Results``, those beside time."""
+    """Return the dimensions of a field's row, those beside time, by its name in ``Results``."""
     return _DIMS.get(name, ())
 
 
@@ -107,7 +119,10 @@ def _growing(
 
 
 def extend(file: Any, written: int, samples: Sequence[Sample]) -> None:
-    """Append rows; a metric that a sample lacks, or that begins late, is NaN there."""
+    """Append ``samples`` after the ``written`` rows; a metric that a sample lacks is NaN there.
+
+    So is one that begins late, in the rows before.
+    """
     total = written + len(samples)
     for dataset, (name, _) in FIELDS.items():
         file[dataset].resize(total, axis=0)
@@ -123,7 +138,7 @@ def extend(file: Any, written: int, samples: Sequence[Sample]) -> None:
 
 
 def truncate(file: Any, keep: int) -> None:
-    """Drop the rows from ``keep`` on."""
+    """Drop the rows from number ``keep`` on."""
     for dataset in [*FIELDS, *(f"metrics/{name}" for name in file["metrics"])]:
         file[dataset].resize(keep, axis=0)
     xdmf.unlink_instants(file, keep)

@@ -90,7 +90,7 @@ class RunStatistics:
     flow_fields_bytes: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, for the checkpoint."""
+        """Return plain values by name, for the checkpoint."""
         return dict(vars(self))
 
 
