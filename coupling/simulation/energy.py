@@ -61,7 +61,7 @@ class Stored:
 
     @property
     def inner(self) -> float:
-        """All of them."""
+        """All energies but that of gravity [J]."""
         return self.flow + self.sheet.kinetic + self.sheet.bending + self.sheet.stretch
 
 
@@ -207,12 +207,12 @@ def instant_of(
 
 
 def stored_in(cloth: Diaphragm, liquid: LiquidSample | None) -> Stored:
-    """Energies of a ``cloth`` and of a ``liquid`` that flows."""
+    """Return the energies of a ``cloth``, and of a ``liquid`` that flows or None."""
     return Stored(flow=0.0 if liquid is None else liquid.kinetic_energy, sheet=cloth.energy())
 
 
 def layer_factor(scene: Scene) -> float:
-    """rho sqrt(pi f nu) [kg/(m^2 s)], times int u^2 dS the power that wall layers dissipate.
+    """Return rho sqrt(pi f nu) [kg/(m^2 s)]: times int u^2 dS it is the power lost in wall layers.
 
     Stokes's laminar layer beside an oscillating flow, of the thickness sqrt(nu/(pi f)) (Landau and
     Lifshitz, Fluid Mechanics, section 24): rho u^2 sqrt(omega nu/2)/2 per area of a speed u cos

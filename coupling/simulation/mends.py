@@ -38,7 +38,7 @@ def mend(cause: Cause, scene: Scene, flow_solver: str | None) -> str:
 
 
 def better_scheme(scene: Scene) -> list[str]:
-    """The coupling scheme to take, unless the scene has it."""
+    """Return the advice to take the best coupling scheme; none where the scene has it."""
     best = next(iter(SCHEMES))
     return [] if scene.coupling.scheme == best else [f"take coupling.scheme = '{best}'"]
 
@@ -55,6 +55,6 @@ def _shorter_step(scene: Scene, flow_solver: str | None) -> str:
 
 
 def said(options: list[str]) -> str:
-    """``options`` as a sentence."""
+    """Return ``options`` as one sentence."""
     text = ", or ".join(options)
     return f"{text[:1].upper()}{text[1:]}."

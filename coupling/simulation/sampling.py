@@ -15,7 +15,7 @@ from coupling.store.run_record import Sample
 
 @dataclass(frozen=True, kw_only=True)
 class NodePressures:
-    """What ``LiquidSample`` tells of the diaphragm's faces at its nodes, each (n,) [Pa]."""
+    """Pressures of a ``LiquidSample`` at the diaphragm's nodes, each (n,) [Pa]."""
 
     dynamic: Array
     kinetic: Array
@@ -23,13 +23,13 @@ class NodePressures:
 
 
 def still(nodes: int) -> NodePressures:
-    """Those of a liquid without a flow."""
+    """Return the pressures of a liquid without a flow at so many ``nodes``: none."""
     none = np.zeros(nodes)
     return NodePressures(dynamic=none, kinetic=none, viscous=none)
 
 
 def at_nodes(liquid: LiquidSample, to_nodes: Callable[[Array], Array]) -> NodePressures:
-    """Those of ``liquid``; ``to_nodes`` takes values on faces (F,) to the nodes (n,)."""
+    """Return the pressures of ``liquid`` at the nodes (n,), by ``to_nodes`` from the faces (F,)."""
     return NodePressures(
         dynamic=to_nodes(liquid.face_pressure),
         kinetic=to_nodes(liquid.kinetic_pressure),
@@ -90,10 +90,27 @@ def sample_at(
 def split_metrics(
     position: Array, triangles: Ints, hydrostatic: Array, pressures: NodePressures
 ) -> dict[str, float]:
-    """rms over the diaphragm [Pa] of the parts of p*, weighed as ``dynamic_fraction`` weighs.
+    """Return the rms over the diaphragm [Pa] of the parts of the liquid's pressure, by name.
 
-    ``position`` (n, 3) [m], ``triangles`` (m, 3), ``hydrostatic`` (n,) [Pa]. Of pressures the mean
-    over the diaphragm is removed; the viscous traction is a size, and its mean is not.
+    A node counts with a third of its triangles' area, as in ``dynamic_fraction``. Of pressures the
+    mean over the diaphragm is removed; the viscous traction is a magnitude, and its mean is not.
+
+    Parameters
+    ----------
+    position
+        Nodes of the diaphragm (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3).
+    hydrostatic
+        Hydrostatic pressure at the nodes (n,) [Pa].
+    pressures
+        p*, its kinetic part and the viscous traction at the nodes, each (n,) [Pa].
+
+    Returns
+    -------
+    dict of float by str
+        The rms [Pa] of the hydrostatic pressure, of p*, of its unsteady and kinetic part, and of
+        the viscous traction.
     """
     weight = node_areas(position[None], triangles)
     parts = {

@@ -17,7 +17,7 @@ _log = logging.getLogger(__name__)
 
 
 class Tally:
-    """``statistics`` of a run, with a word in the log where a limit is passed.
+    """Counts the ``statistics`` of a run, and logs a warning where a limit is passed.
 
     ``thickness`` and ``areas`` (m,) [m, m^2] of the diaphragm's triangles, as moulded.
     """
@@ -32,7 +32,7 @@ class Tally:
         self.statistics.wall_by_part[part] += perf_counter() - since
 
     def stretched(self, dt: float, state: DiaphragmState) -> None:
-        """The diaphragm at the end of a part of a step, of ``dt`` [s]."""
+        """Count strain, tension and stress at the end of a part of a step, of ``dt`` [s]."""
         strain = float(state.strain.max(initial=0.0))
         statistics = self.statistics
         before, now = np.array(statistics.strain_areas), dt * spread(state.strain, self.areas)
@@ -43,7 +43,7 @@ class Tally:
         statistics.stress_max = max(statistics.stress_max, stress)
 
     def solved(self, iterations: int, *, converged: bool) -> None:
-        """The inner iterations of the solve that a part of a step ends with."""
+        """Count the inner iterations of the solve that a part of a step ends with."""
         statistics = self.statistics
         statistics.cloth_solves += 1
         statistics.cloth_iterations_total += iterations
@@ -51,7 +51,11 @@ class Tally:
         statistics.cloth_unconverged += not converged
 
     def structure(self, time: float, state: DiaphragmState, *, converged: bool, steps: int) -> None:
-        """The diaphragm's end of a step, of ``steps`` parts which all ``converged``, or not."""
+        """Count a step of the diaphragm that ends at ``time`` [s], of ``steps`` parts.
+
+        ``converged``: whether all its parts were. Raises ``RunFailed`` when too many steps were
+        not.
+        """
         self.statistics.halved_steps += steps > 1
         if not converged:
             self._unconverged(
