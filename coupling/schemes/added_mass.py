@@ -27,6 +27,6 @@ class AddedMass(IqnIls):
 
     @classmethod
     def of(cls, settings: SchemeSettings) -> AddedMass:
-        """It has no settings of its own."""
+        """Return the scheme, which has no settings of its own."""
         del settings
         return cls()

@@ -24,7 +24,7 @@ class Aitken(FixedPoint):
 
     @classmethod
     def of(cls, settings: SchemeSettings) -> Aitken:
-        """With the first relaxation of the scene."""
+        """Return the scheme with the first relaxation of the scene."""
         return cls(settings.relaxation)
 
     def begin_step(self) -> None:
@@ -33,7 +33,21 @@ class Aitken(FixedPoint):
         self._omega = float(np.sign(self._omega)) * min(abs(self._omega), self.relaxation)
 
     def update(self, x: Array, residual: Array) -> Array:
-        """The next x (k,) from x (k,) and its residual (k,)."""
+        """Return the next iterate x + omega r, with omega adapted to the change of the residual.
+
+        Parameters
+        ----------
+        x
+            Interface vector (k,), of any unit.
+        residual
+            Residual r = S(F(x)) - x at ``x`` (k,), in its unit.
+
+        Returns
+        -------
+        Array
+            The next interface vector (k,). On a step's first call omega is that of the step before,
+            as ``begin_step`` bounds it; where the residual has not changed, omega stays.
+        """
         if self._previous is not None:
             change = residual - self._previous
             length = float(change @ change)
@@ -43,7 +57,7 @@ class Aitken(FixedPoint):
         return x + self._omega * residual
 
     def save(self) -> dict[str, Array]:
-        """The relaxation that the next step starts with."""
+        """Return the relaxation that the next step starts with."""
         return {"omega": np.array([self._omega])}
 
     def restore(self, saved: Mapping[str, Array]) -> None:

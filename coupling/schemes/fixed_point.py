@@ -19,23 +19,44 @@ class FixedPoint:
 
     @classmethod
     def of(cls, settings: SchemeSettings) -> FixedPoint:
-        """It has no settings: the plain fixed point takes no relaxation."""
+        """Return the scheme, which has no settings: the plain fixed point takes no relaxation."""
         del settings
         return cls()
 
     def begin_step(self) -> None:
-        """Nothing is kept within a step."""
+        """Do nothing: nothing is kept within a step."""
 
     def update(self, x: Array, residual: Array) -> Array:
-        """The next x (k,) from x (k,) and its residual (k,)."""
+        """Return the next iterate x + omega r, with the constant ``relaxation`` omega.
+
+        Parameters
+        ----------
+        x
+            Interface vector (k,), of any unit.
+        residual
+            Residual r = S(F(x)) - x at ``x`` (k,), in its unit.
+
+        Returns
+        -------
+        Array
+            The next interface vector (k,).
+        """
         return x + self.relaxation * residual
 
     def accept_step(self, x: Array, residual: Array) -> None:
-        """Nothing is kept between steps."""
+        """Do nothing: nothing is kept between steps.
+
+        Parameters
+        ----------
+        x
+            Interface vector (k,) that the step ends at; not used.
+        residual
+            Residual at ``x`` (k,); not used.
+        """
 
     def save(self) -> dict[str, Array]:
-        """No memory."""
+        """Return no arrays: the scheme keeps no state between steps."""
         return {}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """No memory."""
+        """Do nothing: the scheme keeps no state between steps."""

@@ -46,7 +46,7 @@ class IqnIls:
 
     @classmethod
     def of(cls, settings: SchemeSettings) -> IqnIls:
-        """With the first relaxation of the scene, and the columns of as many former steps."""
+        """Return the scheme with the scene's first relaxation and its number of former steps."""
         return cls(settings.relaxation, settings.reuse)
 
     def begin_step(self) -> None:
@@ -54,7 +54,20 @@ class IqnIls:
         self._v, self._w, self._last = [], [], None
 
     def update(self, x: Array, residual: Array) -> Array:
-        """The next x (k,) from x (k,) and its residual (k,)."""
+        """Return the next iterate x~ + W argmin |V c + r| of x~ = x + r.
+
+        Parameters
+        ----------
+        x
+            Interface vector (k,), of any unit.
+        residual
+            Residual r = S(F(x)) - x at ``x`` (k,), in its unit.
+
+        Returns
+        -------
+        Array
+            The next interface vector (k,); x + ``relaxation`` r while there is no column.
+        """
         image = self._add_column(x, residual)
         v = np.array(self._v + [c for step in self._steps for c in step[0]]).T
         if v.size == 0:
@@ -91,14 +104,22 @@ class IqnIls:
         return image
 
     def accept_step(self, x: Array, residual: Array) -> None:
-        """Keep this step's columns for the next ``reuse`` steps, that of its end included."""
+        """Keep this step's columns for the next ``reuse`` steps, that of its end included.
+
+        Parameters
+        ----------
+        x
+            Interface vector (k,) that the step ends at.
+        residual
+            Residual S(F(x)) - x at ``x`` (k,), in its unit.
+        """
         self._add_column(x, residual)
         if self.reuse and self._v:
             self._steps.insert(0, (np.array(self._v), np.array(self._w)))
             del self._steps[self.reuse :]
 
     def save(self) -> dict[str, Array]:
-        """The columns of former steps."""
+        """Return the columns of former steps."""
         saved = {}
         for number, (v, w) in enumerate(self._steps):
             saved[f"v{number}"], saved[f"w{number}"] = v, w
