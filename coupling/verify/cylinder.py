@@ -100,7 +100,10 @@ def _wave_number(mode: str) -> tuple[int, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class Tank:
-    """A cylinder of ``depth`` over R, its membrane's ``tension`` [N/m], a mode: m, k [1/m]."""
+    """A cylinder of ``depth`` over R, its membrane's ``tension`` [N/m], and one of its modes.
+
+    ``order``: m, the number of the mode's nodal diameters; ``wave_number``: k [1/m].
+    """
 
     tension: float
     order: int
@@ -124,7 +127,11 @@ class Tank:
         return surface.mode(self.shape(top), liquid.at(top).rows())[0]
 
     def openfoam(self, folder: Path, omega: float, step: float, cells: int) -> float:
-        """omega [1/s] of the surface released from the mode's shape."""
+        """Return omega [1/s] of the surface released from the mode's shape, on OpenFOAM's liquid.
+
+        In ``folder``, with at most so many ``cells`` and steps of ``step`` [s]; ``omega`` [1/s] is
+        the expected one, which sets the duration and begins the fit. Raises ``RunFailed``.
+        """
         mesh = prism_mesh(cells, self.depth)
         flow = OpenFoamFlow(
             folder, mesh, openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
@@ -148,7 +155,20 @@ class Tank:
         return fitted_frequency(time, signal, omega)
 
     def surface(self, top: Array, faces: Ints) -> FreeSurface:
-        """The membrane on points ``top`` (p, 3) [m] and ``faces`` (F, 4)."""
+        """Return the membrane as a free surface whose nodes move straight up.
+
+        Parameters
+        ----------
+        top
+            Points of the level surface (p, 3) [m], those of the rim included.
+        faces
+            Corners of its quadrilaterals (F, 4), as ``FreeSurface`` takes them.
+
+        Returns
+        -------
+        FreeSurface
+            The membrane on the liquid, level and at rest.
+        """
         path = np.zeros_like(top)
         path[:, 2] = 1.0
         return FreeSurface(
@@ -157,7 +177,7 @@ class Tank:
         )  # fmt: skip
 
     def shape(self, top: Array) -> Array:
-        """Heights (p,) of the mode, of largest value 1."""
+        """Return the heights (p,) [-] of the mode at ``top`` (p, 3) [m], of largest magnitude 1."""
         angle = np.arctan2(top[:, 1], top[:, 0])
         distance = np.linalg.norm(top[:, :2], axis=1)
         shape = jv(self.order, self.wave_number * distance) * np.cos(self.order * angle)

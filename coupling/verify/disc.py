@@ -12,10 +12,11 @@ _COARSEST = 12  # n = 2
 
 
 def disc_grid(faces: int) -> tuple[Array, Ints]:
-    """The finest grid of at most ``faces`` quadrilaterals on the unit disc: points, faces.
+    """Return the finest grid of at most ``faces`` quadrilaterals on the unit disc.
 
     Points (p, 2), quadrilaterals (F, 4), counter-clockwise. n cells along the square's edge, n
-    even, and 0.65 n rings. The rim's polygon has the area of the disc.
+    even, and 0.65 n rings. The rim's polygon has the area of the disc. ``ValueError`` where
+    ``faces`` is less than those of the coarsest grid.
     """
     if faces < _COARSEST:
         raise ValueError(f"the coarsest disc has {_COARSEST} faces, got {faces}")

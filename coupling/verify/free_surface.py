@@ -16,7 +16,22 @@ LUMPED = 0.05
 
 
 def slope_form(plan: Array, faces: Ints) -> Array:
-    """Matrix (p, p) of int grad h . grad h over bilinear faces (F, 4) at ``plan`` (p, 2)."""
+    """Return the matrix of int grad h . grad h over bilinear quadrilaterals.
+
+    By 2 x 2 Gauss points a face: exact for parallelograms.
+
+    Parameters
+    ----------
+    plan
+        Points in the plane (p, 2) [m].
+    faces
+        Corners of the quadrilaterals (F, 4), counter-clockwise, convex; not checked.
+
+    Returns
+    -------
+    Array
+        Symmetric matrix (p, p) [-], dense.
+    """
     node = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3)
     u, v = np.repeat(node, 2), np.tile(node, 2)
     by_u = np.stack([v - 1, 1 - v, v, -v], axis=1)

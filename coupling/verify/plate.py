@@ -69,11 +69,12 @@ def plate(
 
 
 def plate_frequency(rubber: Diaphragm, rim: str, functions: int = FUNCTIONS) -> float:
-    """The same [Hz] by Rayleigh's quotient over w(r) cos(angle), w of ``functions`` odd powers.
+    """Return the exact frequency [Hz] of the mode of ``plate``, by Rayleigh's quotient.
 
-    Per area the sheet holds rho g w^2/2 and kappa/2 (w_rr^2 + 2 nu w_rr b + (3 - 2 nu) b^2),
-    b = (w/r)', and moves rho_d t and the liquid below. The rim's conditions are the deflection's
-    and the slope's; those of moment and shear come by themselves. Shares no code with the cloth.
+    The deflection is w(r) cos(angle), w of ``functions`` odd powers. Per area the sheet holds
+    rho g w^2/2 and kappa/2 (w_rr^2 + 2 nu w_rr b + (3 - 2 nu) b^2), b = (w/r)', and moves rho_d t
+    and the liquid below. The rim's conditions are the deflection's and the slope's; those of moment
+    and shear come by themselves. Shares no code with the cloth.
     """
     node, weight = legendre.leggauss(2 * functions)
     node, weight = 0.5 * (node + 1.0), 0.5 * weight
@@ -103,7 +104,11 @@ def plate_frequency(rubber: Diaphragm, rim: str, functions: int = FUNCTIONS) -> 
 
 
 def sheet_frequency(rubber: Diaphragm, rim: str, rings: int, degree: int) -> float:
-    """The same [Hz] of the cloth's bending and mass on the liquid of harmonic polynomials."""
+    """Return the frequency [Hz] of ``plate`` by the cloth's matrices and harmonic polynomials.
+
+    The sheet has the cloth's bending stiffness and mass, on ``rings``; ``degree`` is that of the
+    liquid's polynomials.
+    """
     mesh = disc(RADIUS, rings, SECTORS * rings)
     if rim == "free":
         mesh = replace(mesh, fixed=np.zeros_like(mesh.fixed))

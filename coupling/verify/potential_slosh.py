@@ -16,10 +16,11 @@ FACES = 4  # on the surface, over the square of the polynomials' degree: both er
 def level_liquid(
     level: float, degree: int, *, radius: float, density: float, gravity: float
 ) -> tuple[FreeSurface, Array]:
-    """The surface at the depth ``level`` radii in a ball of ``radius`` [m], and the liquid's rows.
+    """Return a level surface in a ball, and the liquid's inertia below it.
 
-    The rows B (k, p, 3) [kg^(1/2)] are those of polynomials of ``degree``, as ``RitzShape`` has
-    them. ``density`` [kg/m^3], ``gravity`` [m/s^2].
+    The surface is at the depth ``level`` radii in a ball of ``radius`` [m]. The rows B (k, p, 3)
+    [kg^(1/2)] are those of polynomials of ``degree``, as ``RitzShape`` has them. ``density``
+    [kg/m^3], ``gravity`` [m/s^2].
     """
     plan, quads = disc_grid(FACES * degree**2)
     points = np.empty((len(plan), 3))
@@ -46,10 +47,33 @@ def released(
     step: float,
     duration: float,
 ) -> tuple[Array, Array, Array]:
-    """Times (T,) [s], first moments (T,) of the heights and energies (T,) [J] after the release.
+    """Return the course in time of a surface that is released from rest on an inviscid liquid.
 
-    From rest at the heights ``shape`` (p,) [m]. The liquid's inertia enters as ``rows``, the steps
-    of ``step`` [s] are the structure's own.
+    Parameters
+    ----------
+    surface
+        The surface on p points, which is displaced here.
+    rows
+        Rows B (k, p, 3) [kg^(1/2)] of the liquid's inertia, constant; see ``level_liquid``.
+    shape
+        Heights at the start (p,) [m]; their mean is removed.
+    density
+        Density of the liquid [kg/m^3].
+    gravity
+        Acceleration of gravity [m/s^2], downwards.
+    step
+        Time step [s], the structure's own.
+    duration
+        Time to cover [s], rounded up to whole steps.
+
+    Returns
+    -------
+    time : Array
+        Instants (T,) [s], the start included.
+    moment : Array
+        Integral of the heights times ``shape`` (T,) [m^4].
+    energy : Array
+        Kinetic and potential energy (T,) [J].
     """
     surface.displace(shape)
     load = HydrostaticLoad(density=density, body_force=np.array([0.0, 0.0, -gravity]))

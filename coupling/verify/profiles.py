@@ -22,7 +22,10 @@ from coupling.ports import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Mylar:
-    """Over the flat discs' radius a: ``radius``, ``thickness``, ``volume`` (over a^3)."""
+    """Dimensions of the Mylar balloon over the radius a of its flat discs.
+
+    ``radius`` and ``thickness`` over a, ``volume`` over a^3.
+    """
 
     radius: float
     thickness: float
@@ -72,7 +75,10 @@ def _meridian(z: float, theta: float, *, rising: bool) -> tuple[float, Array, Ar
 
 @dataclass(frozen=True, kw_only=True)
 class Balloon:
-    """Over the meridian's length l: ``radius`` (largest), ``height``, ``volume`` (over l^3)."""
+    """Dimensions of the balloon of natural shape over the length l of its meridian.
+
+    Largest ``radius`` and ``height`` over l, ``volume`` over l^3.
+    """
 
     radius: float
     height: float
@@ -101,7 +107,10 @@ def natural_balloon() -> Balloon:
 
 @dataclass(frozen=True, kw_only=True)
 class Hammock:
-    """Over the flat disc's radius a: ``depth``, ``volume`` (over a^3)."""
+    """Dimensions of a disc hung from a ring over the radius a of the flat disc.
+
+    ``depth`` over a, ``volume`` over a^3.
+    """
 
     depth: float
     volume: float
@@ -127,7 +136,10 @@ def hammock_bag(ratio: float) -> Hammock:
 
 @dataclass(frozen=True, kw_only=True)
 class Lintearia:
-    """``sag`` over a, ``tension`` over rho g a^2, ``area`` over a^2; 2 a between the pins."""
+    """Dimensions of a sheet full of water between pins that are 2 a apart.
+
+    ``sag`` over a, ``tension`` over rho g a^2, ``area`` over a^2.
+    """
 
     sag: float
     tension: float
@@ -155,5 +167,5 @@ def lintearia_sheet(length_ratio: float) -> Lintearia:
 
 
 def chain_root(mode: int) -> float:
-    """j_0n: a hanging chain swings as J_0(j_0n sqrt(s/L)), s from its free end."""
+    """Return j_0n: a hanging chain swings as J_0(j_0n sqrt(s/L)), s from its free end."""
     return float(jn_zeros(0, mode)[-1])

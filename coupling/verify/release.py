@@ -44,7 +44,25 @@ def coupled_release(
 
 
 def fitted_frequency(time: Array, signal: Array, omega: float) -> float:
-    """omega [1/s] of the damped cosine, with one neighbouring mode beside it, fitted to signal."""
+    """Return omega [1/s] of the damped cosine that fits a signal best.
+
+    One neighbouring mode beside it, at 1.84 omega to begin with, is fitted as well. The fit is a
+    local one; how well it fits is not checked.
+
+    Parameters
+    ----------
+    time
+        Instants (T,) [s].
+    signal
+        Signal (T,), of any unit, not 0 throughout.
+    omega
+        Frequency [1/s] from which the fit begins.
+
+    Returns
+    -------
+    float
+        The frequency of the mode whose fit began at ``omega`` [1/s].
+    """
     signal = signal / np.abs(signal).max()  # the fit's tolerances are absolute
 
     def basis(parameters: Array) -> Array:

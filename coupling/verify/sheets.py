@@ -22,9 +22,9 @@ STEPS_MAX = 400
 
 
 def film_settings(penalty: float, iterations: int) -> Settings:
-    """Of the inner iteration, for a tension of order 1 N/m.
+    """Return settings of the inner iteration, for a tension of order 1 N/m.
 
-    ``penalty`` [N/m]: below twice the tension the iteration diverges, above 30 it crawls.
+    ``penalty`` [N/m]: below twice the tension the iteration diverges, above 30 it is slow.
     ``iterations``: pseudo steps left unconverged are what the extrapolation amplifies.
     """
     return Settings(
@@ -37,10 +37,7 @@ def bring_to_rest(
     cloth: Cloth,
     load: HydrostaticLoad,
 ) -> None:
-    """Settle ``cloth`` under ``load``.
-
-    RunFailed where it does not come to rest.
-    """
+    """Bring ``cloth`` to rest under ``load``; raise ``RunFailed`` where that does not succeed."""
     done = settle(
         cloth,
         load,
@@ -56,7 +53,7 @@ def bring_to_rest(
 
 
 def within(case: str, option: str, value: float, least: float, most: float) -> None:
-    """CaseError unless ``value`` of --``option`` lies in [``least``, ``most``]."""
+    """Raise ``CaseError`` unless ``value`` of --``option`` lies in [``least``, ``most``]."""
     if not least <= value <= most:
         raise CaseError(
             f"verify {case}: --{option}: must lie in [{least:g}, {most:g}], got {value:g}."
@@ -64,5 +61,8 @@ def within(case: str, option: str, value: float, least: float, most: float) -> N
 
 
 def water() -> HydrostaticLoad:
-    """p = z: of unit weight rho g = 1 Pa/m, upside down, so that sheets full of it bulge up."""
+    """Return the load p = z of a liquid of unit weight, rho g = 1 Pa/m.
+
+    It is upside down, so that sheets full of it bulge up.
+    """
     return HydrostaticLoad(density=1.0, body_force=np.array([0.0, 0.0, 1.0]), datum=0.0)

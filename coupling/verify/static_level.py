@@ -86,7 +86,10 @@ def _size(rings: int) -> float:
 
 
 def level_height(fill_fraction: float) -> float:
-    """Height h over R of the free level, from the centre: 1/2 + 3/4 h - h^3/4 = fill fraction."""
+    """Return the height h over R of the free level, from the centre.
+
+    It solves 1/2 + 3/4 h - h^3/4 = fill fraction, the volume of the spherical cap below.
+    """
     return float(brentq(lambda h: 0.5 + 0.75 * h - 0.25 * h**3 - fill_fraction, -1.0, 1.0))
 
 
@@ -98,7 +101,27 @@ def _moment(x: Array, triangles: Ints) -> float:
 
 
 def roundness(x: Array, triangles: Ints, height: float) -> float:
-    """Largest over smallest distance from the z axis of the sheet's cut at ``height`` [m]."""
+    """Return the largest over the smallest distance from the z axis of a horizontal cut of a sheet.
+
+    Parameters
+    ----------
+    x
+        Nodes of the sheet (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3).
+    height
+        Height z of the cut [m], not that of a node: an edge that only ends there is left out.
+
+    Returns
+    -------
+    float
+        The ratio [-] over the points in which the edges are cut, 1 for a circle about the axis.
+
+    Raises
+    ------
+    ValueError
+        The plane cuts no edge.
+    """
     start = x[triangles].reshape(-1, 3)
     end = x[np.roll(triangles, -1, axis=1)].reshape(-1, 3)
     below, above = start[:, 2] - height, end[:, 2] - height
