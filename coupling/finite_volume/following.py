@@ -59,7 +59,23 @@ class FollowingMesh:
         self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
 
     def raised(self, shell: Array, patch: Array, volume: float) -> Array:
-        """``shell`` (s, 3) times what makes it hold ``volume`` [m^3] below ``patch`` (p, 3) [m]."""
+        """Return the shell's points times the factor with which they hold a volume below the patch.
+
+        Parameters
+        ----------
+        shell
+            Points of the shell without the rim (s, 3) [m].
+        patch
+            Points of the patch on the diaphragm (p, 3) [m], those of the rim on the shell included.
+        volume
+            Volume of the liquid [m^3].
+
+        Returns
+        -------
+        Array
+            The points (s, 3) [m]. The volume is met to 1e-12, or as 20 iterations meet it: no error
+            is raised.
+        """
         factor = 1.0
         for _ in range(20):
             missing = volume - fan_volume(self._outline(patch, factor * shell)[self._boundary])
@@ -131,13 +147,15 @@ class FollowingMesh:
         return fan_volume(self._outline(patch, shell)[self._boundary]) - self._fan
 
     def slid(self, patch: Array) -> Array:
-        """Volumes (B,) [m^3] that the boundary's faces sweep as the patch, at rest, starts at
-        ``patch`` (p, 3) [m] in the step's shell."""
+        """Return the volumes (B,) [m^3] that the boundary's faces sweep as the patch slides.
+
+        The patch, at rest, starts the step at ``patch`` (p, 3) [m], in the step's shell.
+        """
         start = self._outline(patch)[self._boundary]
         return swept_volumes(self.points[self._boundary], start)
 
     def follow(self, patch: Array, moment: str) -> Array:
-        """Let the step end at ``patch`` (p, 3) [m]; volumes (B,) [m^3] its boundary faces sweep.
+        """Let the step end at ``patch`` (p, 3) [m]; return what boundary faces sweep (B,) [m^3].
 
         What of it lies beyond the shell, where a linear map may throw it in a slam, stays inside.
         Every cell has a volume then; a corner of one may be inverted until the next step relaxes.

@@ -16,10 +16,11 @@ from coupling.ports import Array
 
 
 def face_centres_and_areas(corner: Array) -> tuple[Array, Array]:
-    """Centres (F, 3) [m] and area vectors (F, 3) [m^2] of quadrilaterals ``corner`` (F, 4, 3).
+    """Return centres (F, 3) [m] and area vectors (F, 3) [m^2] of ``corner`` (F, 4, 3) [m].
 
-    The fan's apex is the mean of the corners; the centre weighs its triangles by the magnitudes of
-    their areas, as v1912 does (later versions by their parts along the face's normal).
+    The corners are those of quadrilaterals. The fan's apex is the mean of the corners; the centre
+    weighs its triangles by the magnitudes of their areas, as v1912 does (later versions by their
+    parts along the face's normal).
     """
     centre, area = np.empty((len(corner), 3)), np.empty((len(corner), 3))
     kernels.fans(corner, centre, area)
@@ -27,10 +28,22 @@ def face_centres_and_areas(corner: Array) -> tuple[Array, Array]:
 
 
 def swept_volumes(old: Array, new: Array) -> Array:
-    """Volume (F,) [m^3] that every quadrilateral sweeps from ``old`` to ``new`` (F, 4, 3).
+    """Return the volume that every quadrilateral sweeps, as OpenFOAM's ``face::sweptVol``.
 
-    Positive along the normal; ``face::sweptVol``. Exact to rounding for any motion of the fan's
-    triangles along straight lines, the two diagonals of the sides averaged.
+    Exact to rounding for any motion of the fan's triangles along straight lines, the two diagonals
+    of the sides averaged.
+
+    Parameters
+    ----------
+    old
+        Corners before the motion (F, 4, 3) [m].
+    new
+        Corners after the motion (F, 4, 3) [m].
+
+    Returns
+    -------
+    Array
+        Volumes (F,) [m^3], positive along the normal.
     """
     swept = np.empty(len(old))
     centres = face_centres_and_areas(old)[0], face_centres_and_areas(new)[0]
@@ -39,9 +52,10 @@ def swept_volumes(old: Array, new: Array) -> Array:
 
 
 def fan_volume(corner: Array) -> float:
-    """Cone from the origin to the fans of quadrilaterals ``corner`` (F, 4, 3) [m^3].
+    """Return the volume [m^3] of cones from the origin to quadrilaterals ``corner`` (F, 4, 3) [m].
 
-    Its change is the sum of ``swept_volumes`` to rounding where the surface's rim is at rest.
+    The base of a cone is the quadrilateral's fan of triangles. The change of the volume is the sum
+    of ``swept_volumes`` to rounding where the surface's rim is at rest.
     """
     cones = np.empty(len(corner))
     kernels.cones(corner, face_centres_and_areas(corner)[0], cones)
@@ -50,7 +64,11 @@ def fan_volume(corner: Array) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class CellGeometry:
-    """``volume`` (c,) [m^3], ``centre`` (c, 3), ``face_centre``, ``face_area`` (F, 3)."""
+    """Volumes and centres of the cells, centres and area vectors of the faces.
+
+    ``volume`` (c,) [m^3], ``centre`` (c, 3) [m], ``face_centre`` (F, 3) [m], ``face_area`` (F, 3)
+    [m^2].
+    """
 
     volume: Array
     centre: Array
@@ -59,7 +77,10 @@ class CellGeometry:
 
 
 def cell_geometry(mesh: LiquidMesh, points: Array) -> CellGeometry:
-    """Cells of ``mesh`` at ``points`` (P, 3) [m], by OpenFOAM's pyramids about a mean centre."""
+    """Return the cells of ``mesh`` at ``points`` (P, 3) [m], as OpenFOAM's pyramids give them.
+
+    The pyramids' apex is the mean of the centres of a cell's faces.
+    """
     face_centre, area = face_centres_and_areas(points[mesh.faces])
     volume, centre = np.empty(mesh.cells), np.empty((mesh.cells, 3))
     kernels.cells(mesh.owner, mesh.neighbour, face_centre, area, volume, centre)
@@ -67,7 +88,7 @@ def cell_geometry(mesh: LiquidMesh, points: Array) -> CellGeometry:
 
 
 def non_orthogonality(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
-    """Angle [deg] between every inner face's normal and the line between its cells' centres."""
+    """Return the angles [deg] of inner faces' normals to the lines between their cells' centres."""
     inner = mesh.inner_faces
     reach = geometry.centre[mesh.neighbour] - geometry.centre[mesh.owner[:inner]]
     area = geometry.face_area[:inner]

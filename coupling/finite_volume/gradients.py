@@ -25,7 +25,9 @@ SLOTS = 7  # of a gradient: a hexahedron and its neighbours
 
 @dataclass(frozen=True, kw_only=True)
 class Stencils:
-    """``columns`` (c, SLOTS): the cell and its neighbours, itself again where there are less;
+    """Which cells take part in a cell's gradient.
+
+    ``columns`` (c, SLOTS): the cell and its neighbours, itself again where there are less;
     ``slots`` (inner, 2): where either cell of a face stands in the other's columns.
     """
 
@@ -34,13 +36,13 @@ class Stencils:
 
 
 def stencils(mesh: LiquidMesh) -> Stencils:
-    """Of ``mesh``; found once for each topology."""
+    """Return the stencils of ``mesh``; they are found once for each topology."""
     return stencils_of(mesh.owner.tobytes(), mesh.neighbour.tobytes(), mesh.cells)
 
 
 @lru_cache(maxsize=4)
 def stencils_of(owner: bytes, neighbour: bytes, cells: int) -> Stencils:
-    """Of ``cells`` whose faces have these ``owner`` and ``neighbour``, int64 as bytes."""
+    """Return the stencils of ``cells`` with these ``owner`` and ``neighbour``, int64 as bytes."""
     owners, neighbours = np.frombuffer(owner, np.int64), np.frombuffer(neighbour, np.int64)
     columns = np.repeat(np.arange(cells)[:, None], SLOTS, axis=1)
     slots, count = np.empty((len(neighbours), 2), np.int64), np.ones(cells, np.int64)
@@ -66,15 +68,25 @@ class Gradients:
     walls: Array
 
     def on_walls(self, own: Ints, values: Array) -> Array:
-        """Values (B,) on the walls, whose cells are ``own`` (B,), of a field's ``values`` (c,).
+        """Return the values of a field on the walls, without what it changes by along the normals.
 
-        Without what it changes by along the normals.
+        Parameters
+        ----------
+        own
+            Cells of the faces on the walls (B,).
+        values
+            Values of the field in the cells (c,), of any unit.
+
+        Returns
+        -------
+        Array
+            Values on the walls (B,), in the unit of ``values``.
         """
         return np.asarray(np.einsum("bk,bk->b", self.walls, values[self.columns[own]]))
 
 
 def gradients(mesh: LiquidMesh, geometry: CellGeometry) -> Gradients:
-    """Of the cells at ``geometry``."""
+    """Return gradients and wall values of the cells of ``mesh`` at ``geometry``."""
     found = stencils(mesh)
     cells = np.zeros((mesh.cells, SLOTS, 3))
     walls = np.zeros((len(mesh.owner) - mesh.inner_faces, SLOTS))
@@ -86,17 +98,35 @@ def gradients(mesh: LiquidMesh, geometry: CellGeometry) -> Gradients:
 
 
 def wall_distance(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
-    """Distance (F,) [m] along the normal between a cell's centre and its face on the diaphragm."""
+    """Return the distances (F,) [m] between the diaphragm's faces and the centres of their cells.
+
+    They are taken along the faces' normals.
+    """
     area = geometry.face_area[mesh.diaphragm]
     reach = geometry.face_centre[mesh.diaphragm] - geometry.centre[mesh.owner[mesh.diaphragm]]
     return np.asarray(np.abs(np.einsum("fx,fx->f", reach, area)) / np.linalg.norm(area, axis=1))
 
 
 def wall_pressure(mesh: LiquidMesh, geometry: CellGeometry, pressure: Array, rate: Array) -> Array:
-    """``pressure`` (c,) [m^2/s^2] of the cells carried on to the walls (B,), over the density.
+    """Return the pressure of the cells carried on to the walls, less its mean over the diaphragm.
 
-    Less the diaphragm's mean. ``rate`` (F,) [m^3/s^2]: d(flux)/dt of its faces; the shell is at
-    rest.
+    The shell is taken to be at rest.
+
+    Parameters
+    ----------
+    mesh
+        The mesh, of c cells and B faces on the walls, the diaphragm's F first.
+    geometry
+        Where its cells stand.
+    pressure
+        Pressure over density in the cells (c,) [m^2/s^2].
+    rate
+        Rate of change of the flux of the diaphragm's faces, d(flux)/dt (F,) [m^3/s^2].
+
+    Returns
+    -------
+    Array
+        Pressure over density on the walls (B,) [m^2/s^2].
     """
     area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
     wall = gradients(mesh, geometry).on_walls(mesh.owner[mesh.inner_faces :], pressure)

@@ -17,7 +17,17 @@ VSMALL = 1e-300
 
 @compiled
 def fans(corner: Array, centre: Array, area: Array) -> None:
-    """See ``coupling.finite_volume.geometry.face_centres_and_areas``."""
+    """Fill ``centre`` and ``area`` as ``finite_volume.geometry.face_centres_and_areas`` says.
+
+    Parameters
+    ----------
+    corner
+        Corners of the quadrilaterals (F, 4, 3) [m].
+    centre
+        Their centres (F, 3) [m], filled here.
+    area
+        Their area vectors (F, 3) [m^2], filled here.
+    """
     for f in range(corner.shape[0]):
         c = corner[f]
         m0 = 0.25 * (c[0, 0] + c[1, 0] + c[2, 0] + c[3, 0])
@@ -41,7 +51,20 @@ def fans(corner: Array, centre: Array, area: Array) -> None:
 
 @compiled
 def triple(a: Array, b: Array, c: Array, o: Array, p: Array, q: Array) -> float:
-    """(a - o) . ((b - p) x (c - q)) of points (3,)."""
+    """Return the triple product (a - o) . ((b - p) x (c - q)).
+
+    Parameters
+    ----------
+    a, b, c
+        Points (3,) [m].
+    o, p, q
+        Points (3,) [m] that are subtracted from them.
+
+    Returns
+    -------
+    float
+        The product [m^3].
+    """
     x0, x1, x2 = a[0] - o[0], a[1] - o[1], a[2] - o[2]
     y0, y1, y2 = b[0] - p[0], b[1] - p[1], b[2] - p[2]
     z0, z1, z2 = c[0] - q[0], c[1] - q[1], c[2] - q[2]
@@ -51,7 +74,17 @@ def triple(a: Array, b: Array, c: Array, o: Array, p: Array, q: Array) -> float:
 
 @compiled
 def sweeps(old: Array, new: Array, old_centre: Array, new_centre: Array, swept: Array) -> None:
-    """See ``coupling.finite_volume.geometry.swept_volumes``."""
+    """Fill ``swept`` as ``coupling.finite_volume.geometry.swept_volumes`` says.
+
+    Parameters
+    ----------
+    old, new
+        Corners of the quadrilaterals before and after the motion (F, 4, 3) [m].
+    old_centre, new_centre
+        Their centres (F, 3) [m].
+    swept
+        The swept volumes (F,) [m^3], filled here.
+    """
     for f in range(old.shape[0]):
         total = 0.0
         for k in range(4):
@@ -66,7 +99,17 @@ def sweeps(old: Array, new: Array, old_centre: Array, new_centre: Array, swept: 
 
 @compiled
 def cones(corner: Array, centre: Array, cone: Array) -> None:
-    """Volumes (F,) [m^3] from the origin to each fan of ``corner`` (F, 4, 3) about ``centre``."""
+    """Fill ``cone`` with the volumes from the origin to each quadrilateral's fan of triangles.
+
+    Parameters
+    ----------
+    corner
+        Corners of the quadrilaterals (F, 4, 3) [m].
+    centre
+        Apices of the fans (F, 3) [m].
+    cone
+        The volumes (F,) [m^3], filled here; negative for a fan that is seen clockwise from outside.
+    """
     for f in range(corner.shape[0]):
         m, total = centre[f], 0.0
         for k in range(4):
@@ -81,7 +124,19 @@ def cones(corner: Array, centre: Array, cone: Array) -> None:
 def cells(
     owner: Ints, neighbour: Ints, face_centre: Array, area: Array, volume: Array, centre: Array
 ) -> None:
-    """See ``coupling.finite_volume.geometry.cell_geometry``; every cell has six faces."""
+    """Fill ``volume`` and ``centre`` as ``coupling.finite_volume.geometry.cell_geometry`` says.
+
+    Every cell has six faces, and a volume that is not 0: neither is checked.
+
+    Parameters
+    ----------
+    owner, neighbour
+        Cells on both sides of the faces, (F,) and those of the inner faces (inner,).
+    face_centre, area
+        Centres (F, 3) [m] and area vectors (F, 3) [m^2] of the faces.
+    volume, centre
+        Volumes (c,) [m^3] and centres (c, 3) [m] of the cells, filled here.
+    """
     inner = len(neighbour)
     estimate, moment = np.zeros_like(centre), np.zeros_like(centre)
     volume[:] = 0.0

@@ -44,7 +44,7 @@ class Eliminated:
     places: Ints
 
     def matrix(self, mesh: LiquidMesh, geometry: CellGeometry, gradient: Array) -> csc_array:
-        """Outward flux of -grad p (k, k) of every cell, in ``order``.
+        """Return the outward flux of -grad p (k, k) [m] of every cell as a matrix, in ``order``.
 
         ``gradient`` (c, SLOTS, 3) [1/m]: ``Gradients.cells``.
         """

@@ -98,12 +98,23 @@ def half_ball(cells: int) -> LiquidMesh:
 
 
 def shell_shares(reach: Array, arc: Array | float) -> Array:
-    """Where on an ``arc`` [rad] from the pool's middle to the rim the shell's points stand (s,).
+    """Return where the shell's points stand on the arcs from the pool's middle to its rim.
 
-    ``reach`` (s,): their shares of it in the half ball. Where the pool closes above its equator the
-    patch is small for the arc, and so are its cells: the shell's points crowd towards the rim,
-    half as much as the patch's do. As much would serve a level surface better, but a thrown one
-    crushes the cells at its rim.
+    Where the pool closes above its equator the patch is small for the arc, and so are its cells:
+    the shell's points crowd towards the rim, half as much as the patch's do. As much would serve a
+    level surface better, but crushes the cells at the rim of a thrown one.
+
+    Parameters
+    ----------
+    reach
+        Shares of the arc at which the points stand in the half ball (s,) [-], from 0 to 1.
+    arc
+        Angle between middle and rim, one for all points or of each (s,) [rad], in (0, pi).
+
+    Returns
+    -------
+    Array
+        Shares of the arc (s,) [-], from 0 at the middle to 1 at the rim.
     """
     dense = np.sqrt(np.minimum(1.0, 0.5 * np.pi * np.sin(arc) / arc))
     return np.asarray(reach + (1.0 - dense) * reach * (1.0 - reach))
@@ -142,7 +153,25 @@ def _size(n: int) -> int:
 
 
 def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
-    """Mesh of ``points`` (P, 3), ``hexes`` (c, 8); border faces above z = ``top`` are diaphragm."""
+    """Return the mesh of given hexahedra, with its faces in OpenFOAM's order.
+
+    Whether the hexahedra meet face to face, and are not turned inside out, is not checked.
+
+    Parameters
+    ----------
+    points
+        All points (P, 3), in the mesh's own unit of length.
+    hexes
+        Corners of the hexahedra (c, 8), in OpenFOAM's order.
+    top
+        Height z, in that unit: border faces whose centre lies above it are the diaphragm's, the
+        others the shell's.
+
+    Returns
+    -------
+    LiquidMesh
+        The mesh, at its reference.
+    """
     flat = hexes[:, _FACES].reshape(-1, 4)
     cell = np.repeat(np.arange(len(hexes)), 6)
     _, group, count = np.unique(

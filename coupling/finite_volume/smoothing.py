@@ -43,11 +43,23 @@ def corner_energy(
     e: float,
     gradient: Array,
 ) -> float:
-    """Energy of all corners at ``points`` (P, 3), its gradient (P, 3) put into ``gradient``.
+    """Return the energy [-] of all corners, and fill ``gradient`` with its gradient.
 
-    ``corners`` (k, 4): a corner and its three neighbours; ``inverse`` (k, 3, 3) of the reference's
-    edge matrices; ``size`` s; ``weight`` of the volume. Without an ``e`` above 0 it is infinite
-    where a corner is inverted.
+    Infinite where d of a corner is not above ``FLATTEST`` s and ``e`` is 0; the gradient is not
+    complete then.
+
+    Parameters
+    ----------
+    points
+        Points of the mesh (P, 3) [m].
+    corners
+        A corner and its three neighbours, right-handed (k, 4).
+    inverse
+        Inverses of the reference's edge matrices (k, 3, 3) [1/m].
+    size, weight, e
+        Mean change of volume s, weight of the volume and the e of untangling [-].
+    gradient
+        Energy per displacement of every point (P, 3) [1/m], filled here.
     """
     gradient[:] = 0.0
     total = 0.0
@@ -116,13 +128,30 @@ class ElasticMesh:
         self._coupling = csc_array(block[:, boundary])
 
     def relax(self, start: Array, boundary: Array, *, size: float) -> Array:
-        """Points (P, 3) [m] at rest inside ``boundary`` (P, 3), of which only those count.
+        """Return the mesh's points with those inside at rest, to ``TOLERANCE`` of the force.
 
-        ``size`` is the mesh's volume over the reference's. Where the interior cannot simply follow
-        from ``start`` (P, 3), the boundary's displacement is cut into parts, and where that fails
-        too, as it must if ``start`` is not valid, the mesh is untangled. Raises ``MeshFolds`` where
-        nothing helps, at once where the boundary alone inverts a corner. The rest state is found
-        to ``TOLERANCE`` of the force.
+        Where the interior cannot simply follow from the start, the boundary's displacement is cut
+        into parts, and where that fails too, as it must if the start is not valid, the mesh is
+        untangled.
+
+        Parameters
+        ----------
+        start
+            Points (P, 3) [m] to begin from.
+        boundary
+            Points (P, 3) [m], of which only those on the boundary count: they are imposed.
+        size
+            Volume of the mesh over that of the reference [-].
+
+        Returns
+        -------
+        Array
+            Points (P, 3) [m], no corner inverted.
+
+        Raises
+        ------
+        MeshFolds
+            No valid mesh is found, or the boundary alone inverts a corner.
         """
         goal = self.follow(start, boundary)
         if not np.isfinite(goal).all() or self._least(goal, self._imposed) <= FLATTEST * size:
@@ -177,7 +206,19 @@ class ElasticMesh:
         return float((np.linalg.det(edges) * np.linalg.det(self._inverse[which])).min())
 
     def follow(self, points: Array, boundary: Array) -> Array:
-        """``points`` (P, 3) with the interior following the boundary harmonically: linear."""
+        """Return the points with the interior following the boundary harmonically, which is linear.
+
+        Parameters
+        ----------
+        points, boundary
+            Points (P, 3) [m] to begin from, and to end at, of which only those on the boundary
+            count.
+
+        Returns
+        -------
+        Array
+            Points (P, 3) [m]; corners may be inverted.
+        """
         moved = boundary[self.boundary] - points[self.boundary]
         answer = points.copy()
         answer[self.boundary] += moved

@@ -11,7 +11,18 @@ from coupling.ports import Array, Ints
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Cross product of (..., 3) arrays; several times faster than ``numpy.cross``."""
+    """Return the cross product of two arrays; several times faster than ``numpy.cross``.
+
+    Parameters
+    ----------
+    a, b
+        Vectors (..., 3), of any units; their other dimensions are broadcast.
+
+    Returns
+    -------
+    Array
+        The product (..., 3), in the product of the units.
+    """
     product = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -20,9 +31,10 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def swept_gradient(corner: Array) -> Array:
-    """Swept volume per displacement of each corner, (F, k, 3) [m^2], at rest in ``corner``.
+    """Return the volume swept per displacement of each corner (F, k, 3) [m^2].
 
-    The fan's apex is taken as the mean of the corners: exact for flat faces, O(warp) otherwise.
+    At rest in ``corner`` (F, k, 3) [m]. The fan's apex is taken as the mean of the corners: exact
+    for flat faces, O(warp) otherwise.
     """
     middle = corner.mean(axis=1, keepdims=True)
     following = np.roll(corner, -1, axis=1)
@@ -39,9 +51,23 @@ def swept_rows(points: Array, faces: Ints) -> Array:
 
 
 def pressure_force(points: Array, faces: Ints, pressure: Array) -> Array:
-    """Forces (p, 3) [N] on ``points`` (p, 3) [m] of face pressures ``pressure`` (F,) [Pa].
+    """Return the forces on the points of a surface that a pressure on its faces exerts.
 
     The transpose of the swept volumes' gradient: sum(force * displacement) = sum(p dV) to rounding.
+
+    Parameters
+    ----------
+    points
+        Points of the surface (p, 3) [m].
+    faces
+        Corners of its faces (F, k).
+    pressure
+        Pressure on the faces (F,) [Pa].
+
+    Returns
+    -------
+    Array
+        Forces (p, 3) [N], along the faces' normals for a positive pressure.
     """
     share = swept_gradient(points[faces]) * pressure[:, None, None]
     force = np.zeros_like(points)

@@ -49,12 +49,12 @@ def wall_flow(
     dt: float,
     viscosity: float,
 ) -> WallFlow:
-    """Of cells moving at ``velocity`` (c, 3) [m/s] at the end of a step of ``dt`` [s].
+    """Return the flow at the walls, of cells moving at ``velocity`` (c, 3) [m/s], at a step's end.
 
-    ``start``, ``end``: the mesh then; the diaphragm moves as its faces' centres do, the shell is at
-    rest. ``viscosity`` is the dynamic one [Pa s]. The stress mu (du + n n.du)/d takes the speed to
-    fall evenly over the half cell d, as the solver does: where a boundary layer is thinner than d
-    it is too small, by about the ratio of the two.
+    The step takes ``dt`` [s]; ``start``, ``end``: the mesh then; the diaphragm moves as its faces'
+    centres do, the shell is at rest. ``viscosity`` is the dynamic one [Pa s]. The stress mu (du + n
+    n.du)/d takes the speed to fall evenly over the half cell d, as the solver does: where a
+    boundary layer is thinner than d it is too small, by about the ratio of the two.
     """
     walls = slice(mesh.inner_faces, None)
     area, centre, cell = end.face_area[walls], end.face_centre[walls], mesh.owner[walls]
