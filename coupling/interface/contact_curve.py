@@ -51,7 +51,10 @@ class FreePart:
     waves: NDArray[np.complex128]
 
     def edge(self, azimuth: Array) -> Array:
-        """Polar angle psi (k,) of the contact curve at the ``azimuth`` (k,) about the axis."""
+        """Return the polar angle psi (k,) [rad] of the contact curve at ``azimuth`` (k,) [rad].
+
+        Both are about the axis.
+        """
         u, v, axis = self.frame
         rim = np.arctan2(axis[2], -(np.cos(azimuth) * u[2] + np.sin(azimuth) * v[2]))
         turns = np.exp(1j * np.multiply.outer(azimuth, np.arange(len(self.waves))))
@@ -59,12 +62,28 @@ class FreePart:
         return np.asarray(np.arccos(np.clip(np.cos(rim) + taken, -_WIDEST, _WIDEST)))
 
     def directions(self, polar: Array, azimuth: Array) -> Array:
-        """Points (k, 3) of the unit hemisphere at ``polar`` angles (k,) and ``azimuth`` (k,)."""
+        """Return points of the unit hemisphere at given angles about the axis of the free part.
+
+        Parameters
+        ----------
+        polar
+            Angles from the axis (k,) [rad].
+        azimuth
+            Angles about the axis (k,) [rad], from u to v.
+
+        Returns
+        -------
+        Array
+            Unit vectors (k, 3).
+        """
         across = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1) @ self.frame[:2]
         return np.asarray(np.cos(polar)[:, None] * self.frame[2] + np.sin(polar)[:, None] * across)
 
     def within(self, directions: Array, inset: float) -> Array:
-        """``directions`` (k, 3), those beyond ``inset`` times the curve's polar angle on it."""
+        """Return ``directions`` (k, 3) moved on to the curve where they lie beyond it.
+
+        The curve is the contact curve with ``inset`` times its polar angle.
+        """
         u, v, height = self.frame @ directions.T
         azimuth, polar = np.arctan2(v, u), np.arccos(np.clip(height, -1.0, 1.0))
         most = inset * self.edge(azimuth)
@@ -97,7 +116,7 @@ class ContactSearch:
         self._centre = centre / np.linalg.norm(centre, axis=1)[:, None]
 
     def free_part(self, position: Array, dt: float) -> FreePart:
-        """The free part ``dt`` [s] after the last, with the nodes at ``position`` (n, 3) [m].
+        """Return the free part ``dt`` [s] after the last, of nodes at ``position`` (n, 3) [m].
 
         At once where ``dt`` is 0, else smoothly: the sheet comes off the shell node by node.
         """
@@ -138,12 +157,12 @@ class Smooth:
         self._state = np.zeros((2, 0))  # value and speed
 
     def at_rest(self, target: Array) -> Array:
-        """Stand at ``target`` (k,)."""
+        """Start at rest at ``target`` (k,), and return it."""
         self._state = np.stack([target, np.zeros_like(target)])
         return target
 
     def follow(self, target: Array, dt: float) -> Array:
-        """Where a step of ``dt`` [s] towards ``target`` (k,) leads: exact, so stable."""
+        """Return where a step of ``dt`` [s] towards ``target`` (k,) leads: exact, so stable."""
         value, speed = self._state
         away = value - target
         leap = float(np.linalg.norm(away)) / self.small
@@ -164,7 +183,10 @@ class Smooth:
 
 
 def upright_frame(axis: Array) -> Array:
-    """Rows u, v and ``axis`` (3,), of any length, above the horizon: z turned by the least way."""
+    """Return the rows u, v, axis (3, 3) of x, y, z turned so that z points along ``axis``.
+
+    The turn is the smallest one. ``axis`` (3,) of any length, above the horizon.
+    """
     axis = axis / np.linalg.norm(axis)
     x, y, z = axis
     return np.array(
@@ -177,8 +199,22 @@ def upright_frame(axis: Array) -> Array:
 
 
 def solid_angles(points: Array, triangles: Ints) -> Array:
-    """Solid angles (m,) of ``triangles`` seen from the origin, positive if counter-clockwise from
-    outside (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983)."""
+    """Return the solid angles of triangles seen from the origin.
+
+    By the formula of van Oosterom & Strackee (IEEE Trans. Biomed. Eng. 30, 1983).
+
+    Parameters
+    ----------
+    points
+        Corners (n, 3), in any unit of length.
+    triangles
+        Corners of each triangle (m, 3).
+
+    Returns
+    -------
+    Array
+        Solid angles (m,) [sr], positive where the corners run counter-clockwise seen from outside.
+    """
     a, b, c = (points[triangles[:, k]] for k in range(3))
     la, lb, lc = (np.linalg.norm(p, axis=1) for p in (a, b, c))
     ab, bc, ca = (np.einsum("mx,mx->m", p, q) for p, q in ((a, b), (b, c), (c, a)))

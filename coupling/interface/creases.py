@@ -10,9 +10,19 @@ from coupling.ports import Array, Ints
 
 
 def least_sine(corners: Array, normal: Array) -> Array:
-    """Least sine (F,) of the angles of faces with ``corners`` (F, 4, 3) about ``normal`` (F, 3).
+    """Return the least sine of the angles of each quadrilateral face.
 
-    Negative where a corner points inward.
+    Parameters
+    ----------
+    corners
+        Corners of the faces (F, 4, 3) [m].
+    normal
+        Unit normals of the faces (F, 3).
+
+    Returns
+    -------
+    Array
+        Least sine (F,) [-] about the normal, negative where a corner points inward.
     """
     ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     size = np.linalg.norm(ahead, axis=2) * np.linalg.norm(behind, axis=2)
@@ -22,9 +32,19 @@ def least_sine(corners: Array, normal: Array) -> Array:
 
 @compiled
 def give_way(values: Array, at: Ints, share: Array, starts: Ints, others: Ints) -> None:
-    """Move ``values`` (p, k) ``at`` points by ``share`` (p,) towards the mean over their others.
+    """Move the values of some points towards the mean over their neighbours, all at the same time.
 
-    Those of point i stand in ``others`` from ``starts[i]`` to ``starts[i + 1]``.
+    Parameters
+    ----------
+    values
+        Values of all points (p, k), of any unit, changed in place.
+    at
+        Points that are moved (a,).
+    share
+        Shares of the way to the mean (p,) [-], in [0, 1].
+    starts, others
+        Neighbours of point i: ``others[starts[i]]`` to ``others[starts[i + 1] - 1]``, one at least;
+        ``starts`` (p + 1,).
     """
     moved = np.zeros((len(at), values.shape[1]))
     for a in range(len(at)):

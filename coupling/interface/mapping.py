@@ -150,10 +150,21 @@ def _supports(source: Array, target: Array, support: Support) -> tuple[Ints, Arr
 def least_norm_weights(
     source: Array, target: Array, near: Ints, distance: Array, radius: Array, weights: Array
 ) -> None:
-    """Fill ``weights`` (t, s) of the sources ``near`` (t, k) at ``distance`` (t, k).
+    """Fill the weights of least norm that reproduce constants and linear fields.
 
     They are kernel * (1, x, y) f with the offset's tangential parts x and y over the support's
-    ``radius`` (t,), where f solves sum kernel (1, x, y)^T (1, x, y) f = (1, 0, 0).
+    radius, where f solves sum kernel (1, x, y)^T (1, x, y) f = (1, 0, 0).
+
+    Parameters
+    ----------
+    source, target
+        Points on the unit sphere that values are known at (s, 3) and wanted at (t, 3).
+    near, distance
+        Sources of every target's row (t, k), and how far they are (t, k).
+    radius
+        Radius of every row's support (t,).
+    weights
+        Weights (t, s) [-], filled here; 0 before.
     """
     across = np.empty((near.shape[1], 3))  # kernel, x and y of every source
     for t in range(target.shape[0]):
