@@ -12,8 +12,19 @@ from coupling.ports import Array
 
 
 def largest_rate(rate: Array, area: Array) -> float:
-    """Largest |dphi/dt| [m^2/s^2] on the diaphragm's free part, in the gauge of no mean over it.
+    """Return the largest |dphi/dt| on the diaphragm's free part, in the gauge of no mean over it.
 
-    ``rate`` (F,) [m^2/s^2]: -(p*/rho + |u|^2/2) on its faces, in any gauge; ``area`` (F,) [m^2].
+    Parameters
+    ----------
+    rate
+        -(p*/rho + |u|^2/2) on the faces of the free part (F,) [m^2/s^2], in any gauge and of either
+        sign.
+    area
+        Areas of these faces (F,) [m^2].
+
+    Returns
+    -------
+    float
+        The largest magnitude [m^2/s^2].
     """
     return float(np.abs(rate - rate @ area / area.sum()).max())

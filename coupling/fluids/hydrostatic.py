@@ -37,7 +37,7 @@ class HydrostaticModel(FluidModel):
     error_law = ErrorLaw(law=inertia_left_out, adds_next=True)
 
     def load_model(self, scene: Scene) -> Hydrostatic:
-        """Of the scene's liquid."""
+        """Return the hydrostatic pressure of the scene's liquid."""
         return hydrostatic_of(scene)
 
 

@@ -9,7 +9,7 @@ MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error", "wa
 
 
 def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
-    """Those of ``liquid``; before any step, None, it is at rest."""
+    """Return the scalars of a moving ``liquid`` by name; before any step, None, it is at rest."""
     if liquid is None:
         return dict.fromkeys(LIQUID_METRICS, 0.0)
     return {name: float(getattr(liquid, name)) for name in LIQUID_METRICS}
@@ -18,9 +18,10 @@ def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
 def flow_metrics(
     flow: FlowSample | None, *, non_orthogonality: float, wall_distance: float
 ) -> dict[str, float]:
-    """Those of a ``flow`` on a mesh; before any step, None, it is at rest and has only its mesh.
+    """Return the scalars of a ``flow`` on a mesh by name; before any step, None, it is at rest.
 
-    ``non_orthogonality`` [deg], ``wall_distance`` [m]: the committed mesh's.
+    ``non_orthogonality`` [deg], ``wall_distance`` [m]: the committed mesh's, all that is known
+    then.
     """
     if flow is None:
         return liquid_metrics(None) | {

@@ -93,10 +93,9 @@ class OpenFoamModel(FluidModel):
         }
 
     def step_cost(self, scene: Scene, iteration: float) -> float:
-        """Of cloth, liquid's inertia and flow; with a scheme without it, of its own iterations.
+        """Return the CPU time [s] of a step: of cloth, flow and, if the scheme takes it, inertia.
 
-        With the liquid's inertia half of a step or more is to make it, once: whether it takes two
-        iterations or four changes the step by a quarter, and how many it will be is not asked.
+        Without the liquid's inertia it is that of the scheme's own number of iterations.
         """
         taken = SCHEMES[scene.coupling.scheme]
         solves = _SOLVES if taken.takes_inertia else taken.typical_iterations
@@ -117,7 +116,7 @@ class OpenFoamModel(FluidModel):
         return float(finer ** (ORDER / 3.0))
 
     def coarser(self, scene: Scene) -> CoarserScene:
-        """About half the cells, as near as the meshes come to that."""
+        """Return the scene with about half the cells, as near as the meshes come to that."""
         cells = cells_halved(scene.openfoam.cells)
         section = scene.openfoam.model_copy(update={"cells": cells})
         fewer = cells_made(scene.openfoam.cells) / cells_made(cells)
@@ -132,10 +131,7 @@ class OpenFoamModel(FluidModel):
         return {"cells of the flow's mesh": cells_made(scene.openfoam.cells)}
 
     def fields_size(self, scene: Scene) -> float:
-        """Of p, U and points at the times of output.
-
-        What belongs to checkpoints, which keep more of a time, and the files' heads are left out.
-        """
+        """Return the bytes that p, U and points take at the times of output."""
         if not scene.openfoam.write_fields:
             return 0.0
         mesh = half_ball(scene.openfoam.cells)

@@ -25,10 +25,31 @@ def flow_sample(
     non_orthogonality_max: float,
     wall_distance: float,
 ) -> FlowSample:
-    """The sample of cells that stand as ``geometry`` says and move at ``velocity`` (c, 3) [m/s].
+    """Return what is sampled of a flow on a mesh at a step's end.
 
-    ``density`` [kg/m^3]; ``boundary_pressure`` (B,) [Pa]: p* on all walls, the diaphragm's first;
-    the rest as in ``FlowSample``.
+    Parameters
+    ----------
+    mesh
+        The mesh, of c cells and B faces on the walls, the diaphragm's F first.
+    geometry
+        Where its cells stand.
+    density
+        Density of the liquid [kg/m^3].
+    velocity
+        Velocity of the cells (c, 3) [m/s], in the tank's frame.
+    boundary_pressure
+        p* on all walls (B,) [Pa], the diaphragm's first, less its area mean there.
+    walls
+        Viscous stress on the diaphragm, and slip along all walls.
+    pressure_work
+        Work of p* on the diaphragm in the step [J].
+    volume_error, continuity_error, non_orthogonality_max, wall_distance
+        As in ``FlowSample`` [-, -, deg, m].
+
+    Returns
+    -------
+    FlowSample
+        The sample, SI.
     """
     boundary = slice(mesh.inner_faces, None)
     face_pressure = boundary_pressure[: mesh.diaphragm_faces]

@@ -36,7 +36,7 @@ class SolidHarmonics:
         self.slopes = self._slopes()
 
     def values(self, points: Array) -> Array:
-        """All harmonics (N, k) at ``points`` (N, 3) [m]."""
+        """Return all harmonics (N, k) [-] at ``points`` (N, 3) [m]."""
         found = np.empty((len(points), len(self._keys)))
         harmonics_at(np.ascontiguousarray(points) / self.radius, self.degree, self._scale, found)
         return found
@@ -79,7 +79,20 @@ def _norm(n: int, m: int) -> float:
 
 @compiled
 def harmonics_at(points: Array, degree: int, scale: Array, found: Array) -> None:
-    """Fill ``found`` (N, k): harmonic (n, m) times its ``scale`` (k,) stands at n^2 + n + m."""
+    """Fill ``found`` with all harmonics up to a degree at given points.
+
+    Parameters
+    ----------
+    points
+        Points (N, 3), over the radius that the harmonics are in units of.
+    degree
+        Highest degree L; there are k = (L + 1)^2 harmonics.
+    scale
+        Factor of every harmonic (k,) [-].
+    found
+        Values (N, k) [-], filled here: harmonic (n, m) stands at n^2 + n + m, the imaginary part of
+        R_n|m| where m is negative.
+    """
     for i in range(points.shape[0]):
         x, y, z = points[i]
         square = x * x + y * y + z * z

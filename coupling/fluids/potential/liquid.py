@@ -57,13 +57,31 @@ class PotentialLiquid:
         *,
         work: float,
     ) -> LiquidSample:
-        """What the liquid does at a step's end; ``face_pressure`` is on the triangles.
+        """Return what the liquid does at a step's end, with its pressure on the sheet's triangles.
 
-        ``shape``: the liquid as the step took it, its sheet at ``points`` (n, 3) [m] moving at
-        ``velocity`` (n, 3) [m/s]; ``rate`` [m^2/s^2] and ``coefficient`` [m^2/s] (k,) of dphi/dt
-        and phi; ``work`` [J] of p* on the sheet in the step. The largest speed is the one on the
-        diaphragm. The shell's pressure beyond the contact curve meets that on the sheet which lies
-        on it, and both cancel in the force; in ``wall_slip`` both count, small as they are there.
+        The largest speed is the one on the diaphragm. The shell's pressure beyond the contact curve
+        meets that on the sheet which lies on it, and both cancel in the force; in ``wall_slip``
+        both count, small as they are there.
+
+        Parameters
+        ----------
+        points
+            Nodes of the sheet (n, 3) [m].
+        shape
+            The liquid as the step took it, below the sheet there.
+        velocity
+            Velocity of the nodes (n, 3) [m/s].
+        rate
+            Coefficients of dphi/dt (k,) [m^2/s^2].
+        coefficient
+            Coefficients of phi (k,) [m^2/s].
+        work
+            Work of p* on the sheet in the step [J].
+
+        Returns
+        -------
+        LiquidSample
+            The sample; its faces are the sheet's triangles (m,).
         """
         pressure, speed = bernoulli(self.ritz, shape.values, rate, coefficient)
         on_shell, shell_speed = bernoulli(self.ritz, self._shell_values, rate, coefficient)

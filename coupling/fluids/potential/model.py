@@ -46,7 +46,7 @@ class PotentialModel(FluidModel):
         return PotentialStep(cloth, liquid, radius=scene.tank.radius)
 
     def step_cost(self, scene: Scene, iteration: float) -> float:
-        """That of the cloth and a share that grows with its nodes likewise."""
+        """Return the CPU time [s] of the cloth's step, and a share that grows with it."""
         return iteration * (CLOTH_ITERATIONS + _OWN)
 
 

@@ -93,8 +93,20 @@ class RitzShape:
         return 0.5 * self.liquid.density * float(source @ self.potential(velocity)[1:])
 
     def pressure(self, rate: Array, coefficient: Array) -> Array:
-        """p* (m,) [Pa] on the triangles: dphi/dt and phi have the coefficients ``rate``
-        [m^2/s^2] and ``coefficient`` [m^2/s], both (k,)."""
+        """Return p* on the triangles of the sheet.
+
+        Parameters
+        ----------
+        rate
+            Coefficients of dphi/dt (k,) [m^2/s^2].
+        coefficient
+            Coefficients of phi (k,) [m^2/s].
+
+        Returns
+        -------
+        Array
+            p* at the triangles' centroids (m,) [Pa], in the gauge of ``rate``.
+        """
         return bernoulli(self.liquid, self.values, rate, coefficient)[0]
 
     def force(self, pressure: Array) -> Array:
@@ -108,9 +120,25 @@ class RitzShape:
 def bernoulli(
     liquid: RitzLiquid, values: Array, rate: Array, coefficient: Array
 ) -> tuple[Array, Array]:
-    """p* = -rho (dphi/dt + |grad phi|^2/2) [Pa] and |grad phi| [m/s], both (N,).
+    """Return p* = -rho (dphi/dt + |grad phi|^2/2) and the speed |grad phi|.
 
-    ``values`` (N, k) of the harmonics where they are wanted; the rest as in ``RitzShape``.
+    Parameters
+    ----------
+    liquid
+        The liquid, which knows its density and its harmonics.
+    values
+        Values of the harmonics (N, k) [-] at the points where p* is wanted.
+    rate
+        Coefficients of dphi/dt (k,) [m^2/s^2].
+    coefficient
+        Coefficients of phi (k,) [m^2/s].
+
+    Returns
+    -------
+    pressure : Array
+        p* (N,) [Pa], in the gauge of ``rate``.
+    speed : Array
+        |grad phi| (N,) [m/s].
     """
     slopes = (values @ (slope @ coefficient) for slope in liquid.harmonics.slopes)
     square = sum((slope**2 for slope in slopes), np.zeros(len(values)))
@@ -118,9 +146,21 @@ def bernoulli(
 
 
 def cone_integral(values: Array, reach: Array, harmonics: SolidHarmonics) -> Array:
-    """int grad H_i . grad H_j dV (k, k) [m] over the cone from the origin to a surface.
+    """Return int grad H_i . grad H_j dV over the cone from the origin to a surface.
 
-    ``values`` (N, k) of the harmonics at the surface's samples, ``reach`` (N,) [m^3] their x.n dS.
+    Parameters
+    ----------
+    values
+        Values of the harmonics (N, k) [-] at the surface's samples.
+    reach
+        x.n dS of the samples (N,) [m^3].
+    harmonics
+        The k harmonics H.
+
+    Returns
+    -------
+    Array
+        Symmetric matrix (k, k) [m].
     """
     product = values.T @ (reach[:, None] * values)
     total = sum((slope.T @ product @ slope for slope in harmonics.slopes), 0.0 * product)
@@ -129,9 +169,21 @@ def cone_integral(values: Array, reach: Array, harmonics: SolidHarmonics) -> Arr
 
 
 def wall_integral(harmonics: SolidHarmonics, points: Array, area: Array) -> Array:
-    """``cone_integral`` of fixed walls with samples ``points`` (N, 3) [m], ``area`` (N, 3) [m^2].
+    """Return the ``cone_integral`` of fixed walls; the origin may lie anywhere.
 
-    The area vectors point out of the liquid; the origin may lie anywhere.
+    Parameters
+    ----------
+    harmonics
+        The k harmonics.
+    points
+        Samples on the walls (N, 3) [m].
+    area
+        Their area vectors (N, 3) [m^2], which point out of the liquid.
+
+    Returns
+    -------
+    Array
+        Symmetric matrix (k, k) [m].
     """
     return cone_integral(harmonics.values(points), np.sum(points * area, axis=1), harmonics)
 
@@ -166,7 +218,19 @@ def lower_hemisphere(harmonics: SolidHarmonics) -> Array:
 
 @compiled
 def spread_flux(triangles: Ints, values: Array, area: Array, flux: Array) -> None:
-    """Add to ``flux`` (n, 3, k) a third of ``values`` (m, k) times ``area`` (m, 3) at each node."""
+    """Add a third of a triangle's values times its area to each of its nodes.
+
+    Parameters
+    ----------
+    triangles
+        Nodes of each triangle (m, 3).
+    values
+        Values on the triangles (m, k), of any unit.
+    area
+        Area vectors of the triangles (m, 3) [m^2].
+    flux
+        Sums (n, 3, k) [m^2 times the unit], added to here.
+    """
     for t in range(triangles.shape[0]):
         for i in triangles[t]:
             for axis in range(3):
