@@ -63,18 +63,16 @@ class FollowingMesh:
 
         Parameters
         ----------
-        shell
-            Points of the shell without the rim (s, 3) [m].
-        patch
-            Points of the patch on the diaphragm (p, 3) [m], those of the rim on the shell included.
+        shell, patch
+            Points of the shell without the rim (s, 3) and of the patch on the diaphragm (p, 3) [m].
         volume
             Volume of the liquid [m^3].
 
         Returns
         -------
         Array
-            The points (s, 3) [m]. The volume is met to 1e-12, or as 20 iterations meet it: no error
-            is raised.
+            The points (s, 3) [m]. The volume is met to 1e-12 of it; that 20 iterations are enough
+            for that is not checked.
         """
         factor = 1.0
         for _ in range(20):
@@ -85,7 +83,18 @@ class FollowingMesh:
         return factor * shell
 
     def place(self, patch: Array, shell: Array) -> None:
-        """Stand at rest below ``patch`` (p, 3) [m] in the ``shell``'s points (s, 3) [m]."""
+        """Put the mesh at rest below a patch, and take the volume there for that at the start.
+
+        Parameters
+        ----------
+        patch, shell
+            Points of the patch on the diaphragm (p, 3) and of the shell without the rim (s, 3) [m].
+
+        Raises
+        ------
+        StepFailed
+            No valid mesh is found.
+        """
         self.shell = shell
         outline = self._outline(patch)
         self._fan = fan_volume(outline[self._boundary])
@@ -125,9 +134,18 @@ class FollowingMesh:
         self.shell = self.shell if shell is None else shell
 
     def close_volume(self, patch: Array, shell: Array | None = None) -> Array:
-        """``patch`` (p, 3) [m] shifted along its normals until the volume is that at the start.
+        """Return the patch shifted along its normals until the volume is that at the start.
 
-        With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
+        Parameters
+        ----------
+        patch, shell
+            Points of the patch (p, 3) and of the shell (s, 3) [m], by default the step's own.
+
+        Returns
+        -------
+        Array
+            Points (p, 3) [m], the rim where it was. The volume is met to rounding; that 30
+            iterations are enough for that is not checked.
         """
         faces = self.mesh.patch_faces
         for _ in range(30):
@@ -143,7 +161,18 @@ class FollowingMesh:
         return patch
 
     def excess(self, patch: Array, shell: Array | None = None) -> float:
-        """Volume [m^3] above the start's, by the sum that OpenFOAM's swept volumes add up to."""
+        """Return the volume above the start's, by the sum that OpenFOAM's swept volumes add up to.
+
+        Parameters
+        ----------
+        patch, shell
+            Points of the patch (p, 3) and of the shell (s, 3) [m], by default the step's own.
+
+        Returns
+        -------
+        float
+            The volume [m^3], negative where liquid is missing.
+        """
         return fan_volume(self._outline(patch, shell)[self._boundary]) - self._fan
 
     def slid(self, patch: Array) -> Array:

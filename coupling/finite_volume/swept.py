@@ -44,7 +44,20 @@ def swept_gradient(corner: Array) -> Array:
 
 
 def swept_rows(points: Array, faces: Ints) -> Array:
-    """Volume C (F, p, 3) [m^2] that every face sweeps per displacement of ``points`` (p, 3) [m]."""
+    """Return the volume C that every face sweeps per displacement of the points.
+
+    Parameters
+    ----------
+    points
+        Points of the surface (p, 3) [m].
+    faces
+        Corners of its faces (F, k).
+
+    Returns
+    -------
+    Array
+        C (F, p, 3) [m^2], dense; see ``swept_gradient``.
+    """
     rows = np.zeros((len(faces), len(points), 3))
     np.add.at(rows, (np.arange(len(faces))[:, None], faces), swept_gradient(points[faces]))
     return rows
