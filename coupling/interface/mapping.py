@@ -71,37 +71,49 @@ class Matching:
     shell: Array | None = None
 
     def begin_step(self, state: StructureState, dt: float, nodes: Array) -> Matching:
-        """The same in every step."""
+        """Return this map: it is the same in every step."""
         return self
 
     def to_flow(self, nodes: Array) -> Array:
-        """The nodes themselves (p, 3)."""
+        """Return the nodes themselves (p, 3) [m]."""
         return nodes
 
     def to_cloth(self, force: Array) -> Array:
-        """The forces themselves (p, 3)."""
+        """Return the forces themselves (p, 3) [N]."""
         return force
 
     def rows_to_cloth(self, rows: Array) -> Array:
-        """The rows themselves (r, p, 3)."""
+        """Return the rows themselves (r, p, 3)."""
         return rows
 
     def save(self) -> dict[str, Array]:
-        """No memory."""
+        """Return no arrays: the map keeps no state."""
         return {}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """No memory."""
+        """Do nothing: the map keeps no state."""
 
 
 def moving_least_squares(source: Array, target: Array, support: Support) -> Array:
-    """Weights N (t, s) from values at ``source`` (s, 3) to ``target`` (t, 3), on a unit sphere.
+    """Return weights N that average values at some points of the unit sphere to others.
 
     A row is the weighted least-norm set of weights that reproduces constants and what is linear
     in the tangent plane (Levin, Math. Comp. 67, 1998), over all sources within its support, so
     that those between two targets are averaged and receive their share by the transpose. The
     support reaches ``support.reach`` times as far as the third next target, and to
     ``support.least`` sources; a row is continuous in its target.
+
+    Parameters
+    ----------
+    source, target
+        Unit vectors to where values are known (s, 3) and wanted (t, 3); t is 4 at least.
+    support
+        Which sources a row may use.
+
+    Returns
+    -------
+    Array
+        Weights (t, s) [-], dense; each row sums to 1.
     """
     near, distance, radius = _supports(source, target, support)
     weights = np.zeros((len(target), len(source)))
@@ -110,10 +122,23 @@ def moving_least_squares(source: Array, target: Array, support: Support) -> Arra
 
 
 def moving_quadratics(source: Array, target: Array, support: Support) -> Array:
-    """As ``moving_least_squares``, but a row reproduces quadratics in the tangent plane too.
+    """Return weights as ``moving_least_squares`` does that reproduce quadratics too.
 
-    Means over a support of radius r flatten a wave of number k by k^2 r^2/20; these do so in the
-    fourth power only. In return some weights are negative: for smooth surfaces.
+    Those are quadratics in the tangent plane. Means over a support of radius r flatten a wave of
+    number k by k^2 r^2/20; these do so in the fourth power only. In return some weights are
+    negative: for smooth surfaces.
+
+    Parameters
+    ----------
+    source, target
+        Unit vectors to where values are known (s, 3) and wanted (t, 3); t is 4 at least.
+    support
+        Which sources a row may use.
+
+    Returns
+    -------
+    Array
+        Weights (t, s) [-], dense; each row sums to 1.
     """
     near, distance, radius = _supports(source, target, support)
     share = np.maximum(1.0 - distance / radius[:, None], 0.0)

@@ -94,14 +94,40 @@ class PatchMap:
 
 
 def patch_area(points: Array, faces: Ints) -> Array:
-    """Swept volume per displacement (p, 3) [m^2] of the patch's ``points`` (p, 3) [m]."""
+    """Return the volume that the patch sweeps per displacement of each of its points.
+
+    Parameters
+    ----------
+    points
+        Points of the patch (p, 3) [m].
+    faces
+        Corners of its faces (F, 4), counter-clockwise seen from the gas.
+
+    Returns
+    -------
+    Array
+        Area vectors (p, 3) [m^2], along the normals.
+    """
     area = np.zeros_like(points)
     np.add.at(area, faces, swept_gradient(points[faces]))
     return area
 
 
 def node_area(nodes: Array, triangles: Ints) -> Array:
-    """The same (n, 3) [m^2] of the sheet's ``nodes`` (n, 3) [m]: a third of their triangles'."""
+    """Return the volume that the sheet sweeps per displacement of each of its nodes.
+
+    Parameters
+    ----------
+    nodes
+        Nodes of the sheet (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3), counter-clockwise seen from the gas.
+
+    Returns
+    -------
+    Array
+        Area vectors (n, 3) [m^2]: a third of those of the triangles around a node.
+    """
     area = np.zeros_like(nodes)
     a, b, c = (nodes[triangles[:, k]] for k in range(3))
     np.add.at(area, triangles, (cross(b - a, c - a) / 6.0)[:, None])
