@@ -108,13 +108,21 @@ class OpenFoamFlow:
     def begin_step(
         self, time: float, dt: float, *, shell: Array | None = None, start: Array | None = None
     ) -> None:
-        """Start a step of ``dt`` [s] from the committed fields at ``time`` [s].
+        """Start a step from the committed fields.
 
-        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay. ``start``
-        (p, 3) [m]: where the interface's points, slid along, start it, None where they do not: a
-        map that changes between two steps takes the patch from one set of facets on the same
+        A map that changes between two steps takes the patch from one set of facets on the same
         sheet to another. The solver sees a motion there and answers with its inertia, which the
         sheet must not feel.
+
+        Parameters
+        ----------
+        time, dt
+            When the step starts, and its length [s].
+        shell
+            Where the shell's points end the step (s, 3) [m], None where they stay.
+        start
+            Where the interface's points, slid along, start it (p, 3) [m], None where they do not
+            slide.
         """
         self._following.begin_step(shell)
         sliding = None
@@ -135,9 +143,17 @@ class OpenFoamFlow:
         return self._step
 
     def close_volume(self, points: Array, shell: Array | None = None) -> Array:
-        """``points`` (p, 3) shifted along their normals until the volume is the start's.
+        """Return the interface shifted along its normals until the volume is the start's.
 
-        With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
+        Parameters
+        ----------
+        points, shell
+            The interface (p, 3) and the shell's points (s, 3) [m], by default those of the step.
+
+        Returns
+        -------
+        Array
+            Points of the interface (p, 3) [m].
         """
         return self._following.close_volume(points, shell)
 

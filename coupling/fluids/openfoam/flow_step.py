@@ -61,10 +61,23 @@ class FlowStep:
         return replace(self, operator=NeumannLaplacian(self.mesh, geometry))
 
     def wall_pressure(self, geometry: CellGeometry, pressure: Array, rate: Array) -> Array:
-        """p* (B,) [Pa] on the walls, of cells at ``geometry`` with the ``pressure`` (c,) p*/rho.
+        """Return p* on the walls, less what points that slide along cause.
 
-        ``rate`` (F,) [m^3/s^2]: of the diaphragm's fluxes. The pressure that sliding points cause
-        is subtracted: the liquid does not move with them.
+        The liquid does not move with those.
+
+        Parameters
+        ----------
+        geometry
+            Where the mesh's cells stand.
+        pressure
+            p*/rho of the cells (c,) [m^2/s^2].
+        rate
+            Rate of change of the flux of the diaphragm's faces (F,) [m^3/s^2].
+
+        Returns
+        -------
+        Array
+            p* (B,) [Pa], the diaphragm's faces first, less its area mean there.
         """
         if self.sliding is not None:
             pressure, rate = pressure - self._sliding_pressure, rate - self.sliding[: len(rate)]
