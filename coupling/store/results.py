@@ -135,7 +135,22 @@ class ResultsWriter:
         triangles: Ints,
         scene_hash: str = "",
     ) -> ResultsWriter:
-        """Begin a folder's results; those of an earlier run are lost."""
+        """Begin a folder's results; those of an earlier run are lost.
+
+        Parameters
+        ----------
+        folder
+            The run's folder, made if need be.
+        scene_toml, model, scene_hash
+            The scene's text, its fluid model and its hash, kept as attributes.
+        reference, triangles
+            The diaphragm's nodes as moulded (n, 3) [m] and the nodes of each triangle (m, 3).
+
+        Returns
+        -------
+        ResultsWriter
+            A writer without samples.
+        """
         writer = cls(folder)
         writer._folder.mkdir(parents=True, exist_ok=True)
         (writer._folder / XDMF_FILE).unlink(missing_ok=True)  # of an earlier run
