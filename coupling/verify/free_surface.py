@@ -116,10 +116,23 @@ class FreeSurface:
         self._step: SurfaceStep | None = None
 
     def mode(self, shape: Array, liquid_inertia: Array) -> tuple[float, Array]:
-        """omega [1/s] of the mode most like the heights ``shape`` (p,), and its heights (p,).
+        """Return the mode of small oscillations that is most like given heights.
 
-        It keeps the volume; the largest height is 1. ``liquid_inertia`` (r, p, 3) [kg^(1/2)] of the
-        liquid.
+        It keeps the volume.
+
+        Parameters
+        ----------
+        shape
+            Heights of the points (p,), of any unit.
+        liquid_inertia
+            Rows B (r, p, 3) [kg^(1/2)] of the liquid's inertia B^T B.
+
+        Returns
+        -------
+        omega : float
+            Its angular frequency [1/s].
+        heights : Array
+            Its heights (p,) [-], the one of largest magnitude 1.
         """
         rows = np.einsum("rpx,px->rp", liquid_inertia, self.path)
         inertia = rows.T @ rows + np.diag(self._mass)
