@@ -22,10 +22,21 @@ class ShellArcs:
         self.below = below_rim(mesh)[rim]
 
     def points(self, middle: Array, rim: Array, radius: float) -> Array:
-        """Points (s, 3) [m] of a sphere of ``radius`` [m] on arcs from ``middle`` to ``rim``.
+        """Return the shell's points, on arcs from the pool's middle to its rim.
 
-        ``middle`` (3,): towards the pool's middle, of any length; ``rim`` (r, 3): unit vectors to
-        the points on the rim.
+        Parameters
+        ----------
+        middle
+            Vector towards the pool's middle (3,), of any length.
+        rim
+            Unit vectors to the points on the rim (r, 3), ordered as the mesh's.
+        radius
+            Radius of the sphere that the points lie on [m].
+
+        Returns
+        -------
+        Array
+            Points (s, 3) [m].
         """
         azimuth = self._rim_azimuth
         turn = np.concatenate([azimuth[-1:] - 2 * np.pi, azimuth, azimuth[:1] + 2 * np.pi])

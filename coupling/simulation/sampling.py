@@ -52,11 +52,39 @@ def sample_at(
     residual: float,
     metrics: dict[str, float],
 ) -> Sample:
-    """Results at ``time`` [s]; shapes and units as in ``Sample``.
+    """Return the results at an instant, from both sides of the interface.
 
     The force on tank and diaphragm is that of the hydrostatic pressure on the closed boundary,
     rho V b, and of p* on the flow's walls; the wall's shear, of the order of sqrt(nu f) times the
     speed, is left out.
+
+    Parameters
+    ----------
+    time
+        The instant [s].
+    state
+        The diaphragm there.
+    triangles
+        Nodes of each of its triangles (m, 3).
+    radius
+        Radius of the shell [m].
+    load
+        Density and body force of the step that ends there.
+    acceleration, displacement
+        The tank's acceleration [m/s^2] and displacement [m], each (3,).
+    flow
+        The flow there, None without one.
+    pressures
+        p*, its kinetic part and the viscous traction at the diaphragm's nodes, each (n,) [Pa].
+    iterations, residual
+        Coupling iterations of the step, and the relative residual that they left.
+    metrics
+        Further scalars by name; those of ``split_metrics`` are added.
+
+    Returns
+    -------
+    Sample
+        The results, in the shapes and units given there.
     """
     weight = load.density * load.body_force * state.volume
     cg = liquid_cg(state.position, triangles, radius, state.volume)

@@ -85,10 +85,19 @@ class OpenFoamFlow:
         return cell_distance(self.mesh, self._following.geometry)
 
     def start(self, patch: Array, shell: Array, volume: float) -> None:
-        """Write the case for a liquid at rest below ``patch`` (p, 3) [m], its rim on the shell.
+        """Write the case for a liquid at rest below the diaphragm.
 
-        ``shell`` (s, 3) [m] are the shell's other points; a common factor takes them off the
-        sphere until the mesh, an inscribed polyhedron, holds the liquid's ``volume`` [m^3].
+        A common factor takes the shell's points off the sphere until the mesh, an inscribed
+        polyhedron, holds the liquid's volume.
+
+        Parameters
+        ----------
+        patch
+            The interface (p, 3) [m], its rim on the shell.
+        shell
+            The shell's other points (s, 3) [m].
+        volume
+            Volume of the liquid [m^3].
         """
         self._place(patch, self._following.raised(shell, patch, volume))
         self.case.create(self.mesh_points, viscosity=self.viscosity)
