@@ -101,8 +101,8 @@ def shell_shares(reach: Array, arc: Array | float) -> Array:
     """Return where the shell's points stand on the arcs from the pool's middle to its rim.
 
     Where the pool closes above its equator the patch is small for the arc, and so are its cells:
-    the shell's points crowd towards the rim, half as much as the patch's do. As much would serve a
-    level surface better, but crushes the cells at the rim of a thrown one.
+    the shell's points are denser towards the rim, half as much as the patch's. As dense as those
+    they would serve a level surface better, but in violent sway the cells at the rim collapse.
 
     Parameters
     ----------
