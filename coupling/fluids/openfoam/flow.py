@@ -120,8 +120,8 @@ class OpenFoamFlow:
         """Start a step from the committed fields.
 
         A map that changes between two steps takes the patch from one set of facets on the same
-        sheet to another. The solver sees a motion there and answers with its inertia, which the
-        sheet must not feel.
+        sheet to another. For the solver that is a motion, to which the liquid's inertia answers;
+        that must not act on the sheet.
 
         Parameters
         ----------

@@ -58,7 +58,7 @@ class OpenFoamModel(FluidModel):
     def time_step(
         self, scene: Scene, cloth: IterativeStructure, folder: Path, record: Record
     ) -> TimeStep:
-        """Diaphragm and flow, solved in turn until they agree."""
+        """Return the step that solves diaphragm and flow in turn until they agree."""
         from coupling.fluids.openfoam.step import OpenFoamStep
 
         return OpenFoamStep(scene, cloth, folder, record)
@@ -107,11 +107,11 @@ class OpenFoamModel(FluidModel):
         return float(cloth + iteration * _ROWS + _INERTIA * size**_GROWTH + flow)
 
     def cores(self, scene: Scene) -> int:
-        """Processes of the flow solver."""
+        """Return the number of processes of the flow solver."""
         return scene.openfoam.processors
 
     def error_scale(self, scene: Scene) -> float:
-        """The error of its mesh over that of CELLS."""
+        """Return the error of the scene's mesh over that of CELLS."""
         finer = cells_made(CELLS) / cells_made(scene.openfoam.cells)
         return float(finer ** (ORDER / 3.0))
 
@@ -127,7 +127,7 @@ class OpenFoamModel(FluidModel):
         )
 
     def size(self, scene: Scene) -> Mapping[str, int]:
-        """The mesh's cells."""
+        """Return the number of the mesh's cells, by what is counted."""
         return {"cells of the flow's mesh": cells_made(scene.openfoam.cells)}
 
     def fields_size(self, scene: Scene) -> float:

@@ -31,7 +31,7 @@ class PotentialModel(FluidModel):
     def time_step(
         self, scene: Scene, cloth: IterativeStructure, folder: Path, record: Record
     ) -> TimeStep:
-        """Diaphragm and liquid as one system, without coupling iterations."""
+        """Return the step that solves diaphragm and liquid as one system, without iterations."""
         from coupling.fluids.potential.liquid import PotentialLiquid
         from coupling.fluids.potential.step import PotentialStep
 

@@ -125,7 +125,7 @@ def bernoulli(
     Parameters
     ----------
     liquid
-        The liquid, which knows its density and its harmonics.
+        The liquid, with its density and harmonics.
     values
         Values of the harmonics (N, k) [-] at the points where p* is wanted.
     rate
