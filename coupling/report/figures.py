@@ -30,7 +30,7 @@ _ROUNDING = 1e-9  # mm or N: what stays below it has not moved
 
 
 def motion_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Picture:
-    """The tank's displacement above, ``signal`` (T, 3) below, by component."""
+    """Return a picture of the tank's displacement, and ``signal`` (T, 3) below it, by component."""
     figure = new_figure(height=3.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2))
     moved = run.results.tank_displacement
@@ -52,7 +52,7 @@ def motion_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Pic
 
 
 def pressure_figure(run: RunFiles) -> Picture:
-    """rms over the diaphragm of p* and of the hydrostatic variation."""
+    """Return a picture of the rms over the diaphragm of p* and of the hydrostatic variation."""
     dynamic, hydrostatic = pressure_rms(run)
     figure = new_figure()
     axes = figure.subplots()
@@ -68,7 +68,7 @@ def pressure_figure(run: RunFiles) -> Picture:
 
 
 def node_pressure_figure(run: RunFiles) -> Picture:
-    """Both pressures at the node where p* is largest."""
+    """Return a picture of p* and the hydrostatic pressure at the node where p* is largest."""
     results = run.results
     shown = results.dynamic_pressure if run.has_flow else results.pressure
     node = int(np.argmax(np.abs(shown).max(axis=0)))
@@ -95,7 +95,7 @@ def _plot_dynamic(axes: Any, time: Array, dynamic: Array) -> None:
 
 
 def coupling_figure(run: RunFiles) -> Picture:
-    """Iterations of each step, and the residual they left."""
+    """Return a picture of the iterations of each step, and of the residual they left."""
     time, iteration, residual, _ = run.iterations.T
     last = np.append(time[1:] != time[:-1], True)
     earliest_after = np.append(np.minimum.accumulate(time[::-1])[::-1][1:], np.inf)
@@ -116,7 +116,7 @@ def coupling_figure(run: RunFiles) -> Picture:
 
 
 def mesh_figure(run: RunFiles) -> Picture | None:
-    """Worst non-orthogonality of the flow's mesh; None where there is none."""
+    """Return a picture of the flow's largest non-orthogonality; None where there is no mesh."""
     values = run.results.metrics.get("non_orthogonality_max")
     if values is None or not np.isfinite(values).any():
         return None
@@ -131,7 +131,7 @@ def mesh_figure(run: RunFiles) -> Picture | None:
 
 
 def strain_figure(run: RunFiles) -> Picture:
-    """Largest tensile strain."""
+    """Return a picture of the largest tensile strain over time."""
     results = run.results
     figure = new_figure()
     axes = figure.subplots()
@@ -143,7 +143,7 @@ def strain_figure(run: RunFiles) -> Picture:
 
 
 def volume_figure(run: RunFiles) -> Picture:
-    """Relative error of the liquid's volume."""
+    """Return a picture of the relative error of the liquid's volume over time."""
     figure = new_figure()
     axes = figure.subplots()
     error = np.abs(run.results.volume / run.scene.liquid_volume - 1.0)
@@ -154,7 +154,7 @@ def volume_figure(run: RunFiles) -> Picture:
 
 
 def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, caption: str) -> Picture:
-    """One curve (T,) of each run, in its model's colour."""
+    """Return a picture with one curve (T,) of each run, in its model's colour."""
     figure = new_figure(height=2.7)
     axes = figure.subplots()
     for run, curve in zip(runs, curves, strict=True):
@@ -166,13 +166,13 @@ def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, capti
 
 
 def model_line(model: str) -> dict[str, Any]:
-    """Colour, dashes and label of a model's curve, the same in all figures."""
+    """Return colour, dashes and label of a model's curve, the same in all figures."""
     colour, dashes = look_of(model)
     return {"color": colour, "linestyle": dashes, "label": model}
 
 
 def model_legend(models: Sequence[str]) -> Picture:
-    """The models' lines by name."""
+    """Return a picture of the models' lines by name."""
     rows = -(-len(models) // _ABREAST)
     figure = new_figure(height=0.15 + 0.2 * rows)
     lines = [Line2D([], [], **model_line(model)) for model in models]

@@ -123,7 +123,7 @@ def _phase(value: float | None) -> str:
 
 
 def cost_table(run: RunFiles) -> Table:
-    """Wall time by part."""
+    """Return a table of the wall time by part."""
     summary = run.summary
     total = float(summary["wall_s"]) or 1.0
     parts = {name: float(value) for name, value in summary["wall_by_part"].items()}
@@ -134,7 +134,7 @@ def cost_table(run: RunFiles) -> Table:
 
 
 def quality_table(run: RunFiles) -> Table:
-    """How well the step was solved."""
+    """Return a table of how well the steps were solved: iterations, strain, errors."""
     summary, coupling = run.summary, run.summary["coupling"]
     cloth = summary.get("cloth", {})
     coupled = [
@@ -160,7 +160,7 @@ def quality_table(run: RunFiles) -> Table:
 
 
 def rubber_table(run: RunFiles) -> Table:
-    """How hard the rubber was pulled, and how far it slid."""
+    """Return a table of how hard the rubber was pulled, and how far it slid."""
     summary, strength = run.summary, run.scene.diaphragm.strength
     stress = summary.get("stress_max_Pa")
     rows = [

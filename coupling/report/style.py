@@ -75,7 +75,7 @@ def house_style() -> Iterator[None]:
 
 
 def new_figure(height: float = 2.5, width: float = WIDTH) -> Figure:
-    """Empty figure in inches that no window knows of."""
+    """Return an empty figure, of a size in inches, that no window shows."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
