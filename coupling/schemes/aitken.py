@@ -28,7 +28,7 @@ class Aitken(FixedPoint):
         return cls(settings.relaxation)
 
     def begin_step(self) -> None:
-        """Forget the residual; bound the relaxation as the papers do."""
+        """Drop the residual of the last step, and bound the relaxation as the papers do."""
         self._previous = None
         self._omega = float(np.sign(self._omega)) * min(abs(self._omega), self.relaxation)
 
