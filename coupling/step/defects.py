@@ -15,14 +15,13 @@ EXTRAPOLATIONS = ((1.0,), (1.5, -0.5), (2.0, -1.0), (3.0, -3.0, 1.0))
 
 @dataclass(frozen=True, kw_only=True)
 class DefectSettings:
-    """Constants of the predictor; their effect is in ``tests/benchmarks/README.md``.
+    """``order``: how many of ``EXTRAPOLATIONS`` are tried, 0 for a defect of zero.
 
-    - ``order``: how many of ``EXTRAPOLATIONS`` are tried, 0 for no prediction (a defect of zero);
-    - ``growth``: the change that the prediction goes on by, over the last step's, at most.
+    Without any a gentle sway takes 2.43 iterations a step in place of 2.10, a violent one 3.98 in
+    place of 3.93 (``tests/benchmarks/README.md``).
     """
 
     order: int = 4
-    growth: float = 1.0
 
 
 class Defects:
@@ -30,8 +29,7 @@ class Defects:
 
     As pressures on faces, which turn with the diaphragm, they change less than nodal forces, and
     never pull an almost massless sheet along itself. How smooth they are depends on the moment:
-    the order of extrapolation is the one that would have served the last step best. It goes on by
-    no more than the last change: what grows in a slam must not be multiplied.
+    the order of extrapolation is the one that would have served the last step best.
     """
 
     def __init__(self, settings: DefectSettings | None = None) -> None:
@@ -58,9 +56,7 @@ class Defects:
         known = [weights for weights in tried if len(weights) < len(self._past)]
         newest, before = self._past[0], self._past[1:]
         best = min(known, key=lambda w: _distance(_combined(w, before), newest), default=(1.0,))
-        change = _combined(best, self._past) - newest
-        most = self.settings.growth * _distance(newest, before[0]) if before else 0.0
-        return newest + change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-300))
+        return _combined(best, self._past)
 
     def save(self) -> dict[str, Array]:
         """The defects by ``defect0``, ``defect1`` ... and the length of their steps."""

@@ -19,7 +19,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from math import inf, radians, tan
+from math import radians, tan
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -55,7 +55,7 @@ TRIED: dict[type, dict[str, tuple[float, ...]]] = {
     RemapSettings: {"maps": (1,), "slow": (4,)},
     HalvingSettings: {"halvings": (0,)},
     CoupledSettings: {"diverged": (10.0,)},
-    DefectSettings: {"order": (0, 1, 3), "growth": (inf,)},
+    DefectSettings: {"order": (0, 1, 3)},
     IqnIlsSettings: {"filtering": (0.0, 0.3)},
     PatchSettings: {
         "wedge": (tan(radians(5.0)), tan(radians(30.0))), "film": (0.005, 0.08),
@@ -69,8 +69,7 @@ TRIED: dict[type, dict[str, tuple[float, ...]]] = {
 }  # fmt: skip
 TOGETHER: dict[type, dict[str, dict[str, Any]]] = {
     PatchSettings: {
-        "first order everywhere": {"smooth": 3.0, "flat": 2.0, "creased": 1.9},
-        "second order everywhere": {"smooth": -1.0, "flat": -2.0},
+        "first order everywhere": {"smooth": 1e9},
         "corners not rounded": {"open": -2.0, "sharp": -3.0},
         "linear.reach = 1": {"linear": Support(reach=1.0, least=12)},
         "linear.least = 6": {"linear": Support(reach=1.3, least=6)},

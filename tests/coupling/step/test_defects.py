@@ -18,22 +18,11 @@ def test_nothing_is_known_before_the_first_step():
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
-def test_smooth_pressure_is_extrapolated_exactly_unless_its_changes_grow(degree):
-    defects = Defects()
-    for step in range(8, 3, -1):
-        defects.add(polynomial(degree, step), STEP)
-    assert defects.next(FACES, STEP) == pytest.approx(polynomial(degree, 3), abs=1e-11)
-
-
-def test_growing_change_goes_on_where_it_heads_by_as_much_as_before():
+def test_smooth_pressure_is_extrapolated_exactly(degree):
     defects = Defects()
     for step in range(5):
-        defects.add(polynomial(2, step), STEP)
-    before, newest, exact = (polynomial(2, step) for step in (3, 4, 5))
-    most = np.linalg.norm(newest - before)
-    wanted = (exact - newest) * most / np.linalg.norm(exact - newest)
-    assert np.linalg.norm(exact - newest) > most
-    assert defects.next(FACES, STEP) - newest == pytest.approx(wanted, abs=1e-11)
+        defects.add(polynomial(degree, step), STEP)
+    assert defects.next(FACES, STEP) == pytest.approx(polynomial(degree, 5), abs=1e-11)
 
 
 def test_noise_is_not_amplified():
@@ -42,13 +31,6 @@ def test_noise_is_not_amplified():
     for step in range(6):
         defects.add((-1) ** step * noise, STEP)
     assert np.abs(defects.next(FACES, STEP)).max() <= 1.0
-
-
-def test_growth_is_not_multiplied():
-    defects = Defects()
-    for step in range(4):
-        defects.add(np.full(FACES, 5.0**step), STEP)
-    assert defects.next(FACES, STEP) == pytest.approx(125.0 + (125.0 - 25.0))
 
 
 def test_order_follows_the_last_step():
