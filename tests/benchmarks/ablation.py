@@ -158,7 +158,7 @@ def cells(run: dict[str, Any] | None, base: dict[str, Any] | None) -> list[str]:
     """Iterations, failed steps, and the change of the CG's amplitude and phase of a ``run``."""
     if run is None:
         return [""] * 4
-    counts = [f"{run['mean']:.2f} ({run['max']})", str(run["failed"])]
+    counts = [f"{run['mean']:.3f} ({run['max']})", str(run["failed"])]
     if run["error"] or run["amplitude"] is None or base is None:
         return [*counts, f"ended after {run['steps']} steps", ""]
     if run is base:
