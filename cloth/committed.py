@@ -18,8 +18,8 @@ def committed(
     """The memory after ``problem``, begun from ``before``, and what was lost in it."""
     p, s, m = problem, solution, before
     reach = 0.5 * float(p.model.thickness.max())
-    rubbing = pressed(m.position, m.contact_force, p.limit, reach)
-    rubbing &= pressed(s.position, s.contact_force, p.limit, reach)
+    rubbing = pressed(m.position, m.contact_force, p.model.shell, reach)
+    rubbing &= pressed(s.position, s.contact_force, p.model.shell, reach)
     rubber, slack = rubber_at(p.model, s.position, p.rest)
     rubbed = 0.0 if s.contact is None else s.contact.node_slip()
     after = Memory(
@@ -35,7 +35,7 @@ def committed(
         strain=s.strain,
         rubber_strain=rubber,
         change=np.array([s.change]),
-        shell_slip=m.shell_slip + slid(m.position, s.position, rubbing),
+        shell_slip=m.shell_slip + slid(m.position, s.position, rubbing, p.model.shell),
         self_slip=m.self_slip + rubbed,
         near=np.array([float(s.contact is not None and s.contact.near.any())]),
     )

@@ -8,13 +8,13 @@ import numpy as np
 
 from cloth import kernels
 from cloth.arrays import Array, Bools
-from cloth.contact import clamp_to_shell
 from cloth.model import ClothModel
 from cloth.self_contact.result import Contact
 
 VOLUME_TOLERANCE = 1e-13  # relative, aimed at
 VOLUME_ALLOWED = 1e-8  # relative, above which a step counts as not converged
 ROUNDS = 6  # of contact and volume in turn, at most
+OFF = 1e-9  # of the shell's size, beyond which a node is off it
 HARMLESS = 0.15  # thicknesses that a move away from touching nodes may have: see ``resolve``
 
 
@@ -22,13 +22,12 @@ HARMLESS = 0.15  # thicknesses that a move away from touching nodes may have: se
 class Bounds:
     """What an end has to keep.
 
-    ``start`` (n, 3) [m], where the step began; ``limit`` (n,) [m], the largest |x_i|; ``volume``
-    [m^3] or None; ``response`` (n, 3) [m/Pa], what the datum moves.
+    ``start`` (n, 3) [m], where the step began; ``volume`` [m^3] or None; ``response`` (n, 3)
+    [m/Pa], what the datum moves. And the model's shell.
     """
 
     model: ClothModel
     start: Array
-    limit: Array
     volume: float | None
     response: Array
 
@@ -58,12 +57,12 @@ def ending(x: Array, bounds: Bounds) -> Ending:
     few millionths of a metre for the volume. Raises VolumeLostError.
     """
     model, nobody = bounds.model, np.zeros(len(x), dtype=np.bool_)
-    x, volume = _closed(clamp_to_shell(x, bounds.limit), bounds, nobody)
+    x, volume = _closed(model.shell.confine(x), bounds, nobody)
     contact, safe = None, True
     for _ in range(ROUNDS):
         if model.self_contact is None:
             break
-        contact = model.self_contact.resolve(bounds.start, x, bounds.limit)
+        contact = model.self_contact.resolve(bounds.start, x, model.shell)
         if contact.moved == 0.0:
             break
         x, volume = _closed(contact.position, bounds, contact.near)
@@ -73,7 +72,7 @@ def ending(x: Array, bounds: Bounds) -> Ending:
             break
     if not safe:
         assert model.self_contact is not None
-        x = model.self_contact.resolve(bounds.start, x, bounds.limit).position
+        x = model.self_contact.resolve(bounds.start, x, model.shell).position
         volume = model.volume(x)
     drift = 0.0 if bounds.volume is None else abs(volume / bounds.volume - 1.0)
     parted = contact is None or not (contact.held.any() or len(contact.failed))
@@ -94,20 +93,20 @@ def _strain(x: Array, model: ClothModel) -> Array:
 
 def _closed(x: Array, bounds: Bounds, near: Bools) -> tuple[Array, float]:
     """``x`` moved along the datum's response, off the shell and not ``near``; and its volume."""
-    model, wanted = bounds.model, bounds.volume
+    model, shell, wanted = bounds.model, bounds.model.shell, bounds.volume
     volume, gradient = model.volume_and_gradient(x)
     if wanted is None:
         return x, volume
     for _ in range(8):
         if abs(volume - wanted) <= VOLUME_TOLERANCE * wanted:
             break
-        free = (np.linalg.norm(x, axis=1) < bounds.limit * (1.0 - 1e-9)) & ~near
+        free = (shell.gap(x) > OFF * shell.size) & ~near
         direction = np.where(free[:, None], bounds.response, 0.0)
         slope = float(np.vdot(gradient, direction))
         if not slope > 0.0:
             if near.any():
                 break
             raise VolumeLostError("the volume no longer answers to the pressure")
-        x = clamp_to_shell(x + (wanted - volume) / slope * direction, bounds.limit)
+        x = shell.confine(x + (wanted - volume) / slope * direction)
         volume, gradient = model.volume_and_gradient(x)
     return x, volume

@@ -8,7 +8,7 @@ import numpy as np
 
 from cloth import node_kernels, triangle_kernels
 from cloth.arrays import Array
-from cloth.contact import clamp_to_shell, stuck
+from cloth.contact import stuck
 from cloth.ending import Bounds, VolumeLostError, ending
 from cloth.problem import Solution, StepProblem
 from cloth.self_contact.planes import Planes
@@ -62,20 +62,20 @@ class Iteration:
             self.datum, self.slope, model.free, gradient, rhs,
         )  # fmt: skip
         node_kernels.node_step(
-            self.x, p.limit, self.weight, r, p.settings.shell_friction, p.committed,
+            self.x, model.shell.profile, self.weight, r, p.settings.shell_friction, p.committed,
             self.zc, self.uc, self.rub,
             model.triangles, gradient, bent.starts, bent.columns, bent.values, bent.moment,
             self.damped, p.kin.position_anchor, self.drag, rhs,
         )  # fmt: skip
         if self.planes is not None:
             self.planes.step(
-                model.mobility, p.limit, self.weight, p.settings.self_friction, p.committed,
-                self.zc, self.uc, self.self_rub, rhs,
+                model.mobility, model.shell.profile, self.weight, p.settings.self_friction,
+                p.committed, self.zc, self.uc, self.self_rub, rhs,
             )  # fmt: skip
         x = p.system.solve(rhs)
         x[model.mesh.fixed] = model.clamped[model.mesh.fixed]
         if p.load.volume is not None:
-            x += self._correction(p.load.volume - model.half_shell - float(cone), gradient, x)
+            x += self._correction(p.load.volume - model.below_rim - float(cone), gradient, x)
         change = (x - self.x).ravel()
         self.moves.append(math.sqrt(float(change @ change) / len(x)))
         self.x = x
@@ -124,8 +124,8 @@ class Iteration:
         """
         p, model = self.problem, self.problem.model
         if model.self_contact is not None and np.all(np.isfinite(self.x)):
-            x = clamp_to_shell(self.x, p.limit)
-            contact = model.self_contact.resolve(p.committed, x, p.limit)
+            x = model.shell.confine(self.x)
+            contact = model.self_contact.resolve(p.committed, x, model.shell)
             found = contact.planes
             if len(found.nodes):
                 self.planes = found if self.planes is None else found.joined(self.planes)
@@ -142,11 +142,10 @@ class Iteration:
         bounds = Bounds(
             model=model,
             start=p.committed,
-            limit=p.limit,
             volume=p.load.volume,
             response=self.response,
         )
-        still = stuck(p.committed, self.zc, p.limit, self.rub)[:, None]
+        still = stuck(p.committed, self.zc, model.shell, self.rub)[:, None]
         try:
             end = ending(np.where(still, self.zc, self.x), bounds)
         except VolumeLostError as lost:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cloth.arrays import Array, Bools, Ints
+from cloth.mould import Hemisphere, Mould
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,44 +51,51 @@ def _strip(inner: Array, outer: Array, i0: int, o0: int) -> list[tuple[int, int,
 
 
 def hemisphere(radius: float, rings: int, *, density: float = 1.0) -> Mesh:
-    """The hemisphere z >= 0 of ``radius`` [m], its rim exactly on z = 0.
+    """``moulded`` of the hemisphere z >= 0 of ``radius`` [m].
 
-    A node at the pole and ``rings`` rings at equal steps of the polar angle, ring k with
-    round(density 2 pi sin(theta_k) cos(30 deg) / dtheta) nodes (at least six), every second ring
-    turned by half a spacing. ``density`` 1 makes the triangles near equilateral (edges within a
-    factor 1.54): 746 nodes at 18 rings, 1316 at 24. A lower one stretches them along the rings
-    (0.54: 713 nodes at 24, factor 2.4).
+    ``density`` 1 makes the triangles near equilateral (edges within a factor 1.54): 746 nodes at
+    18 rings, 1316 at 24. A lower one stretches them along the rings (0.54: 713 nodes at 24, factor
+    2.4).
+    """
+    return moulded(Hemisphere(radius), rings, density=density)
+
+
+def moulded(mould: Mould, rings: int, *, density: float = 1.0) -> Mesh:
+    """A mesh of the ``mould``, its rim exactly on z = 0.
+
+    A node at the pole and ``rings`` rings at equal steps ds of the meridian's arc length, ring k
+    with round(density 2 pi r_k cos(30 deg) / ds) nodes (at least six), every second ring turned by
+    half a spacing.
     """
     if rings < 2:
         raise ValueError(f"cloth.resolution: needs at least 2 rings, got {rings}.")
-    step = 0.5 * np.pi / rings
-    points = [np.array([[0.0, 0.0, radius]])]
+    step = mould.length / rings
+    points = [np.array([[0.0, 0.0, mould.ring(0, rings)[1]]])]
+    distances = [np.array([mould.length])]
     angles: list[Array] = []
     triangles: list[tuple[int, int, int]] = []
     start = 1
     for k in range(1, rings + 1):
-        polar = k * step
-        around = density * 2.0 * np.pi * np.sin(polar) * np.cos(np.pi / 6.0) / step
+        r, z = mould.ring(k, rings)
+        around = density * 2.0 * np.pi * r * np.cos(np.pi / 6.0) / step
         count = max(6, round(float(around)))
         angle = 2.0 * np.pi * (np.arange(count) + 0.5 * (k % 2)) / count
-        z = 0.0 if k == rings else radius * np.cos(polar)
-        r = radius if k == rings else radius * np.sin(polar)
         ring = np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(count, z)])
         if k == 1:
             triangles += [(0, 1 + i, 1 + (i + 1) % count) for i in range(count)]
         else:
             triangles += _strip(angles[-1], angle, start - len(angles[-1]), start)
         points.append(ring)
+        distances.append(np.full(count, step * (rings - k)))
         angles.append(angle)
         start += count
     positions = np.concatenate(points)
     fixed = np.arange(start) >= start - len(angles[-1])
-    height = np.clip(positions[:, 2] / radius, -1.0, 1.0)
     return Mesh(
         points=positions,
         triangles=np.array(triangles, dtype=np.int64),
         fixed=fixed,
-        rim_distance=np.asarray(radius * np.arcsin(height)),
+        rim_distance=np.concatenate(distances),
     )
 
 

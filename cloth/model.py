@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cloth import kernels, node_kernels
@@ -14,15 +12,17 @@ from cloth.load import Settings
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh, corners_of, lumped, rest_gradients
 from cloth.self_contact.resolve import SelfContact
+from cloth.shell.shell import NO_SHELL, Shell
 
 
 class ClothModel:
-    """Mesh, mass, stretch and bending of a sheet, and the shell around it, if any.
+    """Mesh, mass, stretch and bending of a sheet, and the ``shell`` around it, if any.
 
     ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` and
     ``compressive`` (m,) [N/m]; ``poisson`` [-], 0 of a sheet stiffer than its rubber; ``size`` L
     [m], half the mesh's largest extent; ``clamped`` (n, 3) [m], where fixed nodes are held;
-    ``mobility`` (n,) [1/kg], 0 where fixed; ``inertia`` [kg], of an area L^2.
+    ``mobility`` (n,) [1/kg], 0 where fixed; ``inertia`` [kg], of an area L^2; ``below_rim``
+    [m^3]: the shell's volume below the rim's plane.
     """
 
     def __init__(
@@ -32,15 +32,14 @@ class ClothModel:
         diaphragm: Diaphragm,
         thickness: Array | None,
         clamped: Array,
-        shell_radius: float | None,
+        shell: Shell,
         tensile_stiffness: float | None,
         compressive_stiffness: float | None,
         self_contact: bool,
         clamped_rim: bool = False,
     ) -> None:
         self.mesh, self.clamped = mesh, clamped
-        self.shell_radius = shell_radius
-        self.limit = np.full(len(mesh.points), np.inf if shell_radius is None else shell_radius)
+        self.shell = shell
         self.triangles, self.free = mesh.triangles, ~mesh.fixed
         self.corner_starts, self.corners = corners_of(mesh.triangles, len(mesh.points))
         self.size = 0.5 * float(np.ptp(mesh.points, axis=0).max())
@@ -74,11 +73,10 @@ class ClothModel:
             diaphragm.poisson_ratio,
             clamped=clamped_rim,
         )
-        base = 0.0 if shell_radius is None else 2.0 / 3.0 * math.pi * shell_radius**3
-        self.half_shell = base
+        self.below_rim = shell.volume_below(0.0)
 
     def volume(self, position: Array) -> float:
-        """Liquid volume [m^3] below the cloth at ``position``: half the shell plus the cone.
+        """Liquid volume [m^3] below the cloth at ``position``: the shell's below the rim, the cone.
 
         Without a shell the cone alone: what a closed sheet encloses.
         """
@@ -88,11 +86,11 @@ class ClothModel:
         """The same and its derivative (n, 3) [m^2], zero on the fixed nodes."""
         gradient = np.empty_like(position)
         cone = kernels.volume_and_gradient(position, self.triangles, self.free, gradient)
-        return self.half_shell + float(cone), gradient
+        return self.below_rim + float(cone), gradient
 
     def shell_penalty(self, settings: Settings, penalty: float) -> Array:
         """Penalty of the shell (n,) [N/m] with the stretch's ``penalty`` [N/m]; 0 if fixed."""
-        if self.shell_radius is None:
+        if self.shell is NO_SHELL:
             return np.zeros(len(self.mass))
         share = self.mass / self.mass[self.free].mean()
         return np.where(self.free, settings.shell_weight * penalty * share, 0.0)

@@ -8,12 +8,13 @@ import numpy as np
 
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
+from cloth.shell.kernels import settle_on
 
 
 @compiled
 def contact_step(
     x: Array,
-    limit: Array,
+    profile: Array,
     weight: Array,
     relaxation: float,
     friction: float,
@@ -24,51 +25,21 @@ def contact_step(
     rhs: Array,
 ) -> None:
     """See ``cloth.reference.contact_step``."""
+    y, normal = np.empty(3), np.empty(3)
     for i in range(x.shape[0]):
         rub[i, 0] = rub[i, 1] = rub[i, 2] = 0.0
         if weight[i] <= 0.0:
             continue
-        y0 = relaxation * x[i, 0] + (1.0 - relaxation) * z[i, 0] + u[i, 0]
-        y1 = relaxation * x[i, 1] + (1.0 - relaxation) * z[i, 1] + u[i, 1]
-        y2 = relaxation * x[i, 2] + (1.0 - relaxation) * z[i, 2] + u[i, 2]
-        radius = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
-        scale = min(1.0, limit[i] / max(radius, 1e-30))
-        if friction > 0.0 and scale < 1.0:
-            slide_to(y0 / radius, y1 / radius, y2 / radius, start[i], friction, scale, z[i])
-            n0, n1, n2 = z[i, 0], z[i, 1], z[i, 2]
-            z[i, 0], z[i, 1], z[i, 2] = limit[i] * n0, limit[i] * n1, limit[i] * n2
-            along = (y0 - z[i, 0]) * n0 + (y1 - z[i, 1]) * n1 + (y2 - z[i, 2]) * n2
-            rub[i, 0] = weight[i] * (y0 - z[i, 0] - along * n0)
-            rub[i, 1] = weight[i] * (y1 - z[i, 1] - along * n1)
-            rub[i, 2] = weight[i] * (y2 - z[i, 2] - along * n2)
-        else:
-            z[i, 0], z[i, 1], z[i, 2] = scale * y0, scale * y1, scale * y2
-        u[i, 0], u[i, 1], u[i, 2] = y0 - z[i, 0], y1 - z[i, 1], y2 - z[i, 2]
+        for d in range(3):
+            y[d] = relaxation * x[i, d] + (1.0 - relaxation) * z[i, d] + u[i, d]
+        touching = settle_on(profile, y, friction, start[i], z[i], normal)
+        u[i, 0], u[i, 1], u[i, 2] = y[0] - z[i, 0], y[1] - z[i, 1], y[2] - z[i, 2]
+        if touching and friction > 0.0:
+            along = u[i, 0] * normal[0] + u[i, 1] * normal[1] + u[i, 2] * normal[2]
+            for d in range(3):
+                rub[i, d] = weight[i] * (u[i, d] - along * normal[d])
         for d in range(3):
             rhs[i, d] += weight[i] * (z[i, d] - u[i, d])
-
-
-@compiled
-def slide_to(
-    e0: float, e1: float, e2: float, start: Array, friction: float, scale: float, place: Array
-) -> None:
-    """The direction into ``place`` (3,) where friction leaves a node asked for along e.
-
-    On the great circle from the unit vector e to that of ``start`` (3,), at most so far that it is
-    there; ``scale``: the shell's radius over the distance asked for.
-    """
-    size = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
-    s0, s1, s2 = start[0] / size, start[1] / size, start[2] / size
-    cosine = e0 * s0 + e1 * s1 + e2 * s2
-    t0, t1, t2 = s0 - cosine * e0, s1 - cosine * e1, s2 - cosine * e2
-    sine = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
-    cone = math.atan(friction)
-    turn = cone - math.asin(math.sin(cone) * scale)
-    if math.atan2(sine, cosine) <= turn:
-        place[0], place[1], place[2] = s0, s1, s2
-        return
-    c, s = math.cos(turn), math.sin(turn) / max(sine, 1e-300)
-    place[0], place[1], place[2] = c * e0 + s * t0, c * e1 + s * t1, c * e2 + s * t2
 
 
 @compiled
@@ -154,7 +125,7 @@ def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs:
 @compiled
 def node_step(
     x: Array,
-    limit: Array,
+    profile: Array,
     weight: Array,
     relaxation: float,
     friction: float,
@@ -177,7 +148,7 @@ def node_step(
 
     ``damped`` (n,) is the moment [N m^3] of ``bending_rest_step``, ``moment`` that of the other.
     """
-    contact_step(x, limit, weight, relaxation, friction, start, z, u, rub, rhs)
+    contact_step(x, profile, weight, relaxation, friction, start, z, u, rub, rhs)
     bending_rest_step(gradient, starts, columns, values, damped, rhs)
     bending_turning_step(x, triangles, gradient, starts, columns, values, moment, rhs)
     normal_drag_step(x, anchor, gradient, drag, rhs)

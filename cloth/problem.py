@@ -38,7 +38,6 @@ class StepProblem:
     rest: Array
     contact_force: Array
     constant_force: Array
-    limit: Array
 
 
 @dataclass(kw_only=True)

@@ -116,7 +116,7 @@ def principal_strains(x: Array, triangles: Ints, gradients: Array, strain: Array
 
 def contact_step(
     x: Array,
-    limit: Array,
+    radius: float,
     weight: Array,
     relaxation: float,
     friction: float,
@@ -126,23 +126,24 @@ def contact_step(
     rub: Array,
     rhs: Array,
 ) -> None:
-    """Keep |x_i| <= ``limit`` (n,) [m] by projecting on the ball; changes ``z``, ``u`` (n, 3) [m].
+    """Keep |x_i| <= ``radius`` [m] by projecting on the ball; changes ``z``, ``u`` (n, 3) [m].
 
     ``weight`` (n,) [N/m] of a node, 0 leaves it out; the contact force is weight u [N]. With a
     coefficient of ``friction`` mu a node that is beyond the ball sticks where the ray through its
     ``start`` (n, 3) [m] meets the ball, if y - z is in Coulomb's cone there, |tangential| <= mu
     normal; else z lies on the great circle from y to that place, where it is on the cone's edge:
-    in y's own plane, sin(a - atan mu) = -sin(atan mu) ``limit``/|y|, a the angle from y to z.
-    ``rub`` (n, 3) [N] becomes the tangential part of the force on the shell.
+    in y's own plane, sin(a - atan mu) = -sin(atan mu) ``radius``/|y|, a the angle from y to z.
+    ``rub`` (n, 3) [N] becomes the tangential part of the force on the shell. The compiled twin
+    takes any shell's ``profile`` in place of the radius (``cloth.shell.kernels.settle_on``).
     """
     rub[:] = 0.0
     on = weight > 0.0
     y = relaxation * x[on] + (1.0 - relaxation) * z[on] + u[on]
-    radius = np.linalg.norm(y, axis=1)
-    scale = np.minimum(1.0, limit[on] / radius)
+    distance = np.linalg.norm(y, axis=1)
+    scale = np.minimum(1.0, radius / distance)
     z[on] = scale[:, None] * y
     if friction > 0.0:
-        outward = y / radius[:, None]
+        outward = y / distance[:, None]
         place = start[on] / np.linalg.norm(start[on], axis=1)[:, None]
         cosine = np.einsum("id,id->i", outward, place)
         across = place - cosine[:, None] * outward
@@ -151,8 +152,8 @@ def contact_step(
         cone = np.arctan(friction)
         turn = np.minimum(cone - np.arcsin(np.sin(cone) * scale), np.arctan2(sine, cosine))
         turned = np.cos(turn)[:, None] * outward + np.sin(turn)[:, None] * across
-        touching = (radius > limit[on])[:, None]
-        z[on] = np.where(touching, limit[on][:, None] * turned, z[on])
+        touching = (distance > radius)[:, None]
+        z[on] = np.where(touching, radius * turned, z[on])
     u[on] = y - z[on]
     if friction > 0.0:
         along = np.einsum("id,id->i", u[on], turned)[:, None] * turned

@@ -9,7 +9,7 @@ from cloth.arrays import Array
 from cloth.load import Load, pressure_scale
 from cloth.model import ClothModel
 
-TOUCHING = 1e-6  # of the shell's radius, within which a node lies on it
+TOUCHING = 1e-6  # of the shell's size, within which a node lies on it
 
 
 def stress(model: ClothModel, position: Array) -> Array:
@@ -46,9 +46,9 @@ def residual(
         "tde,tie->tid", stress(model, position), model.gradients
     )
     np.add.at(force, model.triangles, -pull)
-    radius = np.linalg.norm(position, axis=1)
-    normal = position / np.maximum(radius, 1e-30)[:, None]
+    shell = model.shell
+    normal = shell.normal(position)
     outward = np.einsum("id,id->i", force, normal)
-    borne = (radius >= model.limit * (1.0 - TOUCHING)) & (outward > 0.0)
+    borne = (shell.gap(position) <= TOUCHING * shell.size) & (outward > 0.0)
     force -= np.where(borne, outward, 0.0)[:, None] * normal
     return float(np.linalg.norm(force[model.free])) / (scale * model.size**2)

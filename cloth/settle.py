@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.contact import clamp_to_shell
 from cloth.level import level_shape
 from cloth.load import Load, Settings, pressure_scale
 from cloth.residual import residual
+from cloth.shell.shell import NO_SHELL
 from cloth.step import Cloth
 
 log = logging.getLogger(__name__)
@@ -77,9 +77,9 @@ def _extrapolated(
         result[name] = new[name] + factor * (new[name] - old[name])
     contact = cloth.model.self_contact
     if contact is not None:
-        limit = cloth.model.limit
-        further = clamp_to_shell(result["position"], limit)
-        result["position"] = contact.resolve(new["position"], further, limit).position
+        shell = cloth.model.shell
+        further = shell.confine(result["position"])
+        result["position"] = contact.resolve(new["position"], further, shell).position
     return result
 
 
@@ -128,7 +128,7 @@ def settle(
     )
     cloth.halt()
     moulded = np.array_equal(cloth.state.position, cloth.reference)
-    if model.shell_radius is not None and load.volume is not None and moulded:
+    if model.shell is not NO_SHELL and load.volume is not None and moulded:
         _place(cloth, level_shape(model, load.volume))
         for body_force in _turns(load.body_force):
             part = _Turned(

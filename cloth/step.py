@@ -17,6 +17,7 @@ from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
 from cloth.problem import Solution, StepProblem, constant_force
+from cloth.shell.shell import NO_SHELL, Shell
 from cloth.state import ClothState, Memory, state_of
 from cloth.viscous import free_strain
 
@@ -24,11 +25,11 @@ SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
 
 
 class Cloth:
-    """An elastic sheet, free, clamped, or in a rigid spherical shell.
+    """An elastic sheet, free, clamped, or in a rigid shell.
 
-    min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t W(sigma) + bending + sum I(|x| <= R) minus the
-    work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2. W is the
-    stretch's energy (``cloth.reference.limited``).
+    min 1/2 |x - x~|^2_{(M + M_a)/b^2} + sum_t A_t W(sigma) + bending + sum I(x in the shell)
+    minus the work of the pressure, subject to V(x) = V*, by ADMM (Overby et al. 2017) on BDF2. W is
+    the stretch's energy (``cloth.reference.limited``).
     ``reference`` (n, 3) [m], ``triangles`` (m, 3), ``fixed`` (n,) are the mesh's; ``mass`` (n,)
     [kg]; ``thickness`` (m,) [m].
     """
@@ -38,7 +39,7 @@ class Cloth:
         *,
         mesh: Mesh,
         diaphragm: Diaphragm,
-        shell_radius: float | None = None,
+        shell: Shell = NO_SHELL,
         thickness: Array | None = None,
         position: Array | None = None,
         tensile_stiffness: float | None = None,
@@ -50,7 +51,7 @@ class Cloth:
     ) -> None:
         """At rest as moulded, or at ``position`` (n, 3) [m], where fixed nodes are then held.
 
-        ``shell_radius`` [m], None for no shell (the volume is then the cone's alone);
+        ``shell``: without one the volume is the cone's alone;
         ``thickness`` (m,) [m] of every triangle instead of the diaphragm's; ``tensile_stiffness``
         and ``compressive_stiffness`` [N/m] instead of the rubber's own E t: large for a sheet that
         hardly stretches, small for one that wrinkles below the grid. ``self_contact``: the sheet
@@ -66,7 +67,7 @@ class Cloth:
             diaphragm=diaphragm,
             thickness=thickness,
             clamped=position,
-            shell_radius=shell_radius,
+            shell=shell,
             tensile_stiffness=tensile_stiffness,
             compressive_stiffness=compressive_stiffness,
             self_contact=self_contact,
@@ -132,7 +133,6 @@ class Cloth:
             rest=free_strain(m.rubber_strain, settings.stretch_damping / dt),
             contact_force=m.contact_force,
             constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
-            limit=self.model.limit,
         )
 
     def _factorised(self, settings: Settings, penalty: float, b: float) -> System:

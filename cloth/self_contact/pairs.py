@@ -10,6 +10,7 @@ from cloth.arrays import Array, Bools, Ints
 from cloth.compiled import compiled
 from cloth.self_contact.crossing import share_node
 from cloth.self_contact.proximity import VERTEX, approach, difference, meeting, nearest
+from cloth.shell.kernels import keep_within
 
 STOP = 0.1  # share of the gap at the start, or of the thickness, that a motion must leave
 GROWTH = 0.05  # of the thickness, by which a gap below it may grow within a step
@@ -92,11 +93,11 @@ def candidate_kernel(
 
 @compiled
 def _push(
-    x: Array, inverse_mass: Array, limit: Array, nodes: Ints, w: Array, n: Array, amount: float
+    x: Array, inverse_mass: Array, profile: Array, nodes: Ints, w: Array, n: Array, amount: float
 ) -> bool:
     """Widen the gap along ``n`` (3,) by ``amount`` [m] at once, lighter nodes moving more.
 
-    Whether anything can move; nodes are kept within ``limit`` (n,) [m] of the origin.
+    Whether anything can move; nodes are kept in the shell of this ``profile``.
     """
     total = 0.0
     for i in range(4):
@@ -108,14 +109,9 @@ def _push(
         share = amount * inverse_mass[k] * w[i] / total
         if share == 0.0:
             continue
-        square = 0.0
         for d in range(3):
             x[k, d] += share * n[d]
-            square += x[k, d] * x[k, d]
-        if square > limit[k] * limit[k]:
-            scale = limit[k] / math.sqrt(square)
-            for d in range(3):
-                x[k, d] *= scale
+        keep_within(profile, x[k])
     return True
 
 
@@ -138,7 +134,7 @@ def separation_rounds(
     start: Array,
     x: Array,
     inverse_mass: Array,
-    limit: Array,
+    profile: Array,
     pairs: Ints,
     gaps: Array,
     thickness: float,
@@ -177,7 +173,7 @@ def separation_rounds(
                 continue
             for d in range(3):
                 out[d] /= length
-            if _push(x, inverse_mass, limit, nodes, w, out, amount):
+            if _push(x, inverse_mass, profile, nodes, w, out, amount):
                 pushed += 1
                 clock += 1
                 for i in range(4):

@@ -9,6 +9,7 @@ import numpy as np
 
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
+from cloth.shell.kernels import keep_within, outward_part
 
 SWEEPS = 50  # over all planes, in every projection, at most
 # Of the first sweep's largest push, below which the sweeps end. What they leave is some 1e-4 of a
@@ -31,7 +32,7 @@ class Planes:
     def step(
         self,
         inverse_mass: Array,
-        limit: Array,
+        profile: Array,
         weight: Array,
         friction: float,
         start: Array,
@@ -43,7 +44,7 @@ class Planes:
         """``plane_step`` with these planes."""
         if len(self.nodes):
             plane_step(
-                self.nodes, self.weights, self.normal, self.rest, inverse_mass, limit, weight,
+                self.nodes, self.weights, self.normal, self.rest, inverse_mass, profile, weight,
                 SWEEPS, friction, start, z, u, rub, rhs,
             )  # fmt: skip
 
@@ -66,7 +67,7 @@ def project_planes(
     normal: Array,
     rest: Array,
     inverse_mass: Array,
-    limit: Array,
+    profile: Array,
     sweeps: int,
     friction: float,
     start: Array,
@@ -96,7 +97,7 @@ def project_planes(
                     j = nodes[k, i]
                     share = lacking * inverse_mass[j] * weights[k, i] / total
                     if share != 0.0:
-                        move_within(limit[j], share, normal[k], z[j], beyond[j])
+                        move_within(profile, share, normal[k], z[j], beyond[j])
             if friction <= 0.0 or not (pushed[k] > 0.0 or held[k].any()):
                 continue
             along = 0.0
@@ -120,7 +121,7 @@ def project_planes(
                 if share != 0.0:
                     for d in range(3):
                         rub[j, d] += share * slip[d]
-                    move_within(limit[j], share, slip, z[j], beyond[j])
+                    move_within(profile, share, slip, z[j], beyond[j])
         if sweep == 0:
             first = most
         if most <= PRECISION * first:
@@ -128,18 +129,16 @@ def project_planes(
 
 
 @compiled
-def move_within(limit: float, share: float, way: Array, place: Array, beyond: Array) -> None:
-    """Move ``place`` (3,) [m] by ``share`` of ``way`` (3,), then within ``limit`` of the origin.
+def move_within(profile: Array, share: float, way: Array, place: Array, beyond: Array) -> None:
+    """Move ``place`` (3,) [m] by ``share`` of ``way`` (3,), then into the shell.
 
-    ``beyond`` (3,) [m] is what the limit took of it before, and then what it takes in all.
+    ``beyond`` (3,) [m] is what the shell took of it before, and then what it takes in all.
     """
-    square = 0.0
     for d in range(3):
         beyond[d] += place[d] + share * way[d]
-        square += beyond[d] * beyond[d]
-    scale = min(1.0, limit / max(math.sqrt(square), 1e-30))
+        place[d] = beyond[d]
+    keep_within(profile, place)
     for d in range(3):
-        place[d] = scale * beyond[d]
         beyond[d] -= place[d]
 
 
@@ -150,7 +149,7 @@ def plane_step(
     normal: Array,
     rest: Array,
     inverse_mass: Array,
-    limit: Array,
+    profile: Array,
     weight: Array,
     sweeps: int,
     friction: float,
@@ -164,15 +163,20 @@ def plane_step(
     before, beyond = z.copy(), np.zeros_like(z)
     rub[:] = 0.0
     for i in range(len(z)):
-        along, square = 0.0, 1e-60
-        for d in range(3):
-            along += u[i, d] * z[i, d]
-            square += z[i, d] * z[i, d]
-        if along > 0.0:
-            for d in range(3):
-                beyond[i, d] = along / square * z[i, d]
+        outward_part(profile, z[i], u[i], beyond[i])
     project_planes(
-        nodes, weights, normal, rest, inverse_mass, limit, sweeps, friction, start, z, beyond, rub
+        nodes,
+        weights,
+        normal,
+        rest,
+        inverse_mass,
+        profile,
+        sweeps,
+        friction,
+        start,
+        z,
+        beyond,
+        rub,
     )
     for i in range(len(z)):
         for d in range(3):

@@ -130,7 +130,7 @@ def project_planes(
     normal: Array,
     rest: Array,
     inverse_mass: Array,
-    limit: Array,
+    radius: float,
     sweeps: int,
     friction: float,
     start: Array,
@@ -138,7 +138,7 @@ def project_planes(
     beyond: Array,
     rub: Array,
 ) -> None:
-    """Project ``z`` (n, 3) [m] on the half-spaces and on the balls of ``limit`` (n,) [m].
+    """Project ``z`` (n, 3) [m] on the half-spaces and on the ball of ``radius`` [m].
 
     In the metric of the masses: plane k, with the multiplier ``pushed``_k >= 0, moves its nodes by
     dz_i = d w_i n / m_i over sum_j w_j^2 / m_j, d the gap that lacks, or what can be taken back of
@@ -155,7 +155,7 @@ def project_planes(
     def move(i: Ints, share: Array, way: Array) -> None:
         moved = share != 0.0
         place = z[i] + np.outer(share, way) + beyond[i]
-        shrink = np.minimum(1.0, limit[i] / np.maximum(np.linalg.norm(place, axis=1), 1e-30))
+        shrink = np.minimum(1.0, radius / np.maximum(np.linalg.norm(place, axis=1), 1e-30))
         z[i] = np.where(moved[:, None], shrink[:, None] * place, z[i])
         beyond[i] = np.where(moved[:, None], place - z[i], beyond[i])
 
@@ -193,7 +193,7 @@ def plane_step(
     normal: Array,
     rest: Array,
     inverse_mass: Array,
-    limit: Array,
+    radius: float,
     weight: Array,
     sweeps: int,
     friction: float,
@@ -214,7 +214,18 @@ def plane_step(
     outward = np.maximum(np.einsum("id,id->i", u, z), 0.0)
     beyond = outward[:, None] / np.maximum(np.einsum("id,id->i", z, z), 1e-60)[:, None] * z
     project_planes(
-        nodes, weights, normal, rest, inverse_mass, limit, sweeps, friction, start, z, beyond, rub
+        nodes,
+        weights,
+        normal,
+        rest,
+        inverse_mass,
+        radius,
+        sweeps,
+        friction,
+        start,
+        z,
+        beyond,
+        rub,
     )
     rub *= -weight[:, None]
     change = np.where(weight[:, None] > 0.0, z - before, 0.0)

@@ -18,6 +18,7 @@ from cloth.self_contact.pairs import (
 )
 from cloth.self_contact.result import Contact, touching
 from cloth.self_contact.zones import translated
+from cloth.shell.shell import NO_SHELL, Shell
 
 log = logging.getLogger(__name__)
 
@@ -50,8 +51,8 @@ class _Candidates:
 class _Motion:
     """A step under correction: from ``start`` to ``x`` (n, 3) [m], with its candidate pairs."""
 
-    def __init__(self, sheet: SelfContact, start: Array, end: Array, limit: Array) -> None:
-        self.sheet, self.start, self.x, self.limit = sheet, start, end.copy(), limit
+    def __init__(self, sheet: SelfContact, start: Array, end: Array, shell: Shell) -> None:
+        self.sheet, self.start, self.x, self.shell = sheet, start, end.copy(), shell
         self.found = self._searched()
         self.known = False  # that the motion of these pairs is free
 
@@ -82,7 +83,7 @@ class _Motion:
         """Correct ``x`` until nothing is pushed any more, or the rounds are used up."""
         for _ in range(SEARCHES):
             left = separation_rounds(
-                self.start, self.x, inverse_mass, self.limit,
+                self.start, self.x, inverse_mass, self.shell.profile,
                 self.found.pairs, self.found.gaps, self.sheet.thickness, rounds, self.found.met,
             )  # fmt: skip
             self.known = left == 0
@@ -97,7 +98,7 @@ class _Motion:
             self.search()
         if not self.known:
             separation_rounds(
-                self.start, self.x, np.zeros(len(self.x)), self.limit,
+                self.start, self.x, np.zeros(len(self.x)), self.shell.profile,
                 self.found.pairs, self.found.gaps, self.sheet.thickness, 1, self.found.met,
             )  # fmt: skip
         return np.asarray(self.found.pairs[self.found.met, 1:])
@@ -145,10 +146,10 @@ class SelfContact:
                 result |= np.isin(first, a).all(axis=1) & np.isin(second, b).all(axis=1)
         return result
 
-    def resolve(self, start: Array, end: Array, limit: Array | None = None) -> Contact:
+    def resolve(self, start: Array, end: Array, shell: Shell = NO_SHELL) -> Contact:
         """``end`` (n, 3) [m] corrected so that the straight motion from ``start`` is free.
 
-        ``start`` (n, 3) [m] without crossings; ``limit`` (n,) [m], the largest |x_i|, is kept if
+        ``start`` (n, 3) [m] without crossings; the inside of the ``shell`` is kept if
         both kept it. Pushes pairs apart at the end of their motion until the gap is the thickness,
         or a little more than it was where it was less (Bridson et al. 2002, with the time of
         impact of Li et al. 2021): inelastic, without friction. Pairs that still meet then move
@@ -167,8 +168,7 @@ class SelfContact:
         """
         if not (np.all(np.isfinite(start)) and np.all(np.isfinite(end))):
             raise ValueError("cloth: self-contact needs finite positions.")
-        bound = np.full(len(end), np.inf) if limit is None else limit
-        motion = _Motion(self, start, end, bound)
+        motion = _Motion(self, start, end, shell)
         rigid, held = np.zeros((2, len(end)), dtype=np.bool_)
         if motion.found.crowded:
             motion.x, held[:] = start.copy(), True
@@ -201,7 +201,7 @@ class SelfContact:
             if attempt < ZONES:
                 rigid[nodes] = True
                 motion.x = translated(
-                    motion.start, motion.x, nodes, zones, self.inverse_mass, motion.limit
+                    motion.start, motion.x, nodes, zones, self.inverse_mass, motion.shell
                 )
             else:
                 if attempt == ZONES + HELD:

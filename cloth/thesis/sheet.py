@@ -13,6 +13,7 @@ from cloth.kernels import principal_strains, volume_and_gradient
 from cloth.load import Load
 from cloth.material import Diaphragm
 from cloth.mesh import rest_gradients
+from cloth.shell.sphere import Sphere
 from cloth.state import ClothState
 from cloth.thesis.constants import Constants, constants
 from cloth.thesis.grid import ThesisGrid
@@ -36,24 +37,24 @@ class ThesisSheet:
         *,
         grid: ThesisGrid,
         diaphragm: Diaphragm,
-        shell_radius: float,
+        shell: Sphere,
         strain: float = 0.01,
         step: float = STEP,
         held: bool = False,
     ) -> None:
         """Moulded and at rest.
 
-        ``shell_radius`` [m]; ``strain`` [-] the thesis' allowable strain, of which its projections
-        leave up to 1.87 times as a mean; ``step`` [s] of its own, as many of which as needed make
-        a step; ``held``: no node ever moves.
+        ``strain`` [-] the thesis' allowable strain, of which its projections leave up to 1.87 times
+        as a mean; ``step`` [s] of its own, as many of which as needed make a step; ``held``: no
+        node ever moves.
         """
         self.reference, self.triangles, self.fixed = grid.points, grid.triangles, grid.fixed
         self.held, self.step = held, step
-        self.constants: Constants = constants(grid, diaphragm, radius=shell_radius, strain=strain)
+        self.constants: Constants = constants(grid, diaphragm, radius=shell.radius, strain=strain)
         self.mass = self.constants.mass.ravel()
         self.thickness = np.full(len(grid.triangles), diaphragm.thickness)
         self._shape = (grid.size, grid.size, 3)
-        self._half_shell = 2.0 / 3.0 * math.pi * shell_radius**3
+        self._below_rim = shell.volume_below(0.0)
         self._gradients, _ = rest_gradients(grid.points, grid.triangles)
         self._dt = 0.0
         self._load: Load | None = None
@@ -164,7 +165,7 @@ class ThesisSheet:
             "velocity": velocity,
             "datum": np.array([datum]),
             "body_force": body,
-            "volume": np.array([self._half_shell + cone]),
+            "volume": np.array([self._below_rim + cone]),
             "strain": strain,
             "change": np.array([change]),
             "steps": np.array([float(steps)]),

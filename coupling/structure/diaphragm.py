@@ -13,6 +13,7 @@ from cloth.energy import SheetEnergy, SheetLosses
 from cloth.load import Settings
 from cloth.mesh import hemisphere
 from cloth.settle import settle
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 from cloth.thesis.grid import thesis_grid
 from cloth.thesis.sheet import STEP, ThesisSheet
@@ -78,7 +79,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         return ThesisSheet(
             grid=thesis_grid(radius, cloth.resolution),
             diaphragm=scene.diaphragm.sheet,
-            shell_radius=radius,
+            shell=Sphere(radius),
             step=min(STEP, scene.time.step),
         )
     gravity = float(np.linalg.norm(scene.gravity))
@@ -89,7 +90,7 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
         mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
         thickness=None if ridges is None else ridges.at(mesh.points[mesh.triangles].mean(axis=1)),
-        shell_radius=radius,
+        shell=Sphere(radius),
         tensile_stiffness=cloth.stiffness * area * largest_body_force(scene)
         if scene.diaphragm.inextensible
         else None,

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from cloth.arrays import Ints
 from cloth.mesh import hemisphere
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 from coupling.ports import Array, HydrostaticLoad
 from coupling.verify.case import VerifyResult, quantity
@@ -41,7 +42,7 @@ def static_level(*, fill_fraction: float = 0.8, resolution: int = 24) -> VerifyR
     cloth = Cloth(
         mesh=mesh,
         diaphragm=FILM,
-        shell_radius=size,
+        shell=Sphere(size),
         position=mesh.points * [1.0, 1.0, 2.0 * fill_fraction - 1.0],
         tensile_stiffness=TAUT,
         compressive_stiffness=SLACK,

@@ -41,6 +41,7 @@ from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import hemisphere
 from cloth.settle import settle
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 from cloth.thesis.grid import thesis_grid
 from cloth.thesis.sheet import ThesisSheet
@@ -156,7 +157,7 @@ def our_cloth(rings: int, tolerance: float, *, stiff: bool) -> Cloth:
     """Ours as moulded."""
     unit = DENSITY * float(np.linalg.norm(body_force(1.0 / FREQUENCY * 1.25))) * RADIUS**2
     return Cloth(
-        mesh=hemisphere(RADIUS, rings), diaphragm=SHEET, shell_radius=RADIUS, self_contact=True,
+        mesh=hemisphere(RADIUS, rings), diaphragm=SHEET, shell=Sphere(RADIUS), self_contact=True,
         tensile_stiffness=ClothSection().stiffness * unit if stiff else None,
         compressive_stiffness=2.0 * BUCKLING * math.sqrt(SHEET.bending_stiffness * DENSITY * 9.81),
         settings=Settings(tolerance=tolerance, iterations=10_000),
@@ -183,7 +184,7 @@ def our_row(
 def thesis_row(seconds: float, step: float) -> tuple[int, Row]:
     """Nodes and figures of the thesis' algorithm, in parts of 10 ms of its own ``step`` [s]."""
     cloth = ThesisSheet(
-        grid=thesis_grid(RADIUS, 26), diaphragm=SHEET, shell_radius=RADIUS, step=step
+        grid=thesis_grid(RADIUS, 26), diaphragm=SHEET, shell=Sphere(RADIUS), step=step
     )
     cloth.begin_step(1.0, fixed_datum(0.0))
     cloth.solve(np.zeros_like(cloth.reference))

@@ -29,6 +29,7 @@ from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh, hemisphere
 from cloth.settle import settle
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 from coupling.ports import Array, HydrostaticLoad
 
@@ -75,7 +76,7 @@ def main(rings: int, fill_fraction: float, steps: int) -> None:
     """Settle, count, print and draw."""
     mesh = hemisphere(RADIUS, rings)
     cloth = Cloth(
-        mesh=mesh, diaphragm=SHEET, shell_radius=RADIUS, compressive_stiffness=None,
+        mesh=mesh, diaphragm=SHEET, shell=Sphere(RADIUS), compressive_stiffness=None,
         self_contact=True, settings=Settings(),
     )  # fmt: skip
     volume = fill_fraction * 4.0 / 3.0 * math.pi * RADIUS**3

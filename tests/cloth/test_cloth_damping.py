@@ -12,6 +12,7 @@ from cloth.inertia import kinematics
 from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh, border_nodes, hemisphere
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 
 SHEET = diaphragm("AF-E-332", 1.778e-3)
@@ -29,7 +30,11 @@ def free(mesh: Mesh, settings: Settings) -> Cloth:
     """Neither clamped nor near a shell."""
     loose = replace(mesh, fixed=np.zeros(len(mesh.points), dtype=bool))
     return Cloth(
-        mesh=loose, diaphragm=SHEET, shell_radius=10.0, compressive_stiffness=0.0, settings=settings
+        mesh=loose,
+        diaphragm=SHEET,
+        shell=Sphere(10.0),
+        compressive_stiffness=0.0,
+        settings=settings,
     )
 
 

@@ -14,6 +14,7 @@ from cloth.load import Settings
 from cloth.material import Diaphragm
 from cloth.mesh import hemisphere
 from cloth.model import ClothModel
+from cloth.shell.shell import NO_SHELL
 from cloth.state import Memory
 from cloth.triangle_kernels import limited
 
@@ -24,7 +25,7 @@ DRAG = Settings().drag
 
 def model(mesh, *, tensile: float | None = None, compressive: float | None = 10.0) -> ClothModel:
     return ClothModel(
-        mesh=mesh, diaphragm=RUBBER, thickness=None, clamped=mesh.points, shell_radius=None,
+        mesh=mesh, diaphragm=RUBBER, thickness=None, clamped=mesh.points, shell=NO_SHELL,
         tensile_stiffness=tensile, compressive_stiffness=compressive, self_contact=False,
     )  # fmt: skip
 

@@ -12,6 +12,7 @@ from cloth.flat import disc
 from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 
 WALL, SIDE, GRAVITY, STEP, FRICTION = 1e4, 0.1, 9.81, 0.01, 0.3
@@ -38,7 +39,7 @@ def patch(friction: float) -> Cloth:
     )  # fmt: skip
     settings = Settings(tolerance=1e-9, shell_friction=friction, bending_damping=0.0, drag=0.0)
     return Cloth(
-        mesh=mesh, diaphragm=SHEET, shell_radius=WALL,
+        mesh=mesh, diaphragm=SHEET, shell=Sphere(WALL),
         compressive_stiffness=0.0, settings=settings,
     )  # fmt: skip
 
@@ -112,7 +113,7 @@ def stacked(friction: float) -> Cloth:
     )
     settings = Settings(tolerance=1e-7, self_friction=friction, bending_damping=0.0, drag=0.0)
     return Cloth(
-        mesh=mesh, diaphragm=SHEET, shell_radius=100.0 * SIDE, self_contact=True, settings=settings
+        mesh=mesh, diaphragm=SHEET, shell=Sphere(100.0 * SIDE), self_contact=True, settings=settings
     )  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from cloth.load import Settings, penalty_of
 from cloth.material import Diaphragm, diaphragm
 from cloth.mesh import Mesh, hemisphere
 from cloth.settle import settle
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 
 R = 0.4445
@@ -36,7 +37,7 @@ class Water:
 def build(rings: int, **options) -> Cloth:
     sheet = diaphragm("AF-E-332", 1.778e-3)
     options = {"tensile_stiffness": TAUT, "compressive_stiffness": SLACK} | options
-    return Cloth(mesh=hemisphere(R, rings), diaphragm=sheet, shell_radius=R, **options)
+    return Cloth(mesh=hemisphere(R, rings), diaphragm=sheet, shell=Sphere(R), **options)
 
 
 def level(fill: float) -> float:
@@ -266,7 +267,7 @@ def test_momentum_balance_names_the_acceleration():
     cloth = Cloth(
         mesh=hemisphere(R, 6),
         diaphragm=sheet,
-        shell_radius=R,
+        shell=Sphere(R),
         compressive_stiffness=0.0,
         settings=Settings(iterations=4000, tolerance=0.0),
     )

@@ -17,6 +17,8 @@ from cloth.self_contact.features import Features
 from cloth.self_contact.proximity import EDGES, VERTEX
 from cloth.self_contact.resolve import SelfContact
 from cloth.self_contact.zones import translated
+from cloth.shell.shell import NO_SHELL
+from cloth.shell.sphere import Sphere
 
 H = 1.8e-3
 
@@ -305,11 +307,11 @@ def test_random_motions_never_end_in_a_crossing(seed, size):
     """Within the shell too, the rim fixed; several steps, each from where the last one ended."""
     mesh, rng = hemisphere(0.2, 5), np.random.default_rng(seed)
     guard = contact(mesh.triangles, np.where(mesh.fixed, 0.0, 1.0))
-    x, limit = mesh.points, np.full(len(mesh.points), 0.2)
+    x, shell = mesh.points, Sphere(0.2)
     for _ in range(4):
         y = crumpling(x, mesh.fixed, rng, size)
         y *= np.minimum(1.0, 0.2 / np.linalg.norm(y, axis=1))[:, None]
-        result = guard.resolve(x, y, limit)
+        result = guard.resolve(x, y, shell)
         assert free_on_the_way(x, result.position, mesh.triangles)
         assert np.linalg.norm(result.position, axis=1).max() <= 0.2 * (1.0 + 1e-12)
         np.testing.assert_array_equal(result.position[mesh.fixed], x[mesh.fixed])
@@ -342,10 +344,10 @@ def test_zones_move_as_one_and_stay_within():
     rng = np.random.default_rng(4)
     x = 0.3 * rng.standard_normal((6, 3))
     y = x + rng.standard_normal((6, 3))
-    limit, zones = np.full(6, np.linalg.norm(x, axis=1).max() + 0.1), np.arange(6)
+    shell, zones = Sphere(float(np.linalg.norm(x, axis=1).max()) + 0.1), np.arange(6)
     mass = np.array([1.0, 2.0, 1.0, 1.0, 1.0, 1.0])
     inverse = np.append(1.0 / mass[:5], 0.0)
-    result = translated(x, y, np.array([[0, 1, 1, 0], [4, 5, 4, 5]]), zones, inverse, limit)
+    result = translated(x, y, np.array([[0, 1, 1, 0], [4, 5, 4, 5]]), zones, inverse, shell)
     np.testing.assert_array_equal(zones, [0, 0, 2, 3, 4, 4])
     np.testing.assert_array_equal(result[2:4], y[2:4])
     np.testing.assert_array_equal(result[4:], x[4:])
@@ -353,7 +355,7 @@ def test_zones_move_as_one_and_stay_within():
     np.testing.assert_allclose(shift[0], shift[1])
     centre = mass[:2] @ (y - x)[:2] / 3.0
     np.testing.assert_allclose(np.cross(shift[0], centre), 0.0, atol=1e-12)
-    assert np.linalg.norm(result[:2], axis=1).max() <= limit[0] * (1.0 + 1e-12)
+    assert np.linalg.norm(result[:2], axis=1).max() <= shell.radius * (1.0 + 1e-12)
 
 
 def test_what_crossed_before_is_named_and_let_through():
@@ -392,16 +394,16 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
     planes = result.planes
     assert len(planes.nodes) > 0
     start = result.position - np.where(upper[:, None], [0.0, 0.0, 1e-3], 0.0)
-    inverse, limit = np.ones(len(x)), np.full(len(x), 1.0)
+    inverse, shell = np.ones(len(x)), Sphere(1.0)
     weight = np.where(np.arange(len(x)) % 7 > 0, 3.0, 0.0)
     before = x + np.where(upper[:, None], [1e-4, 3e-4, 0.0], 0.0)
     answers = []
-    for module in (reference, contact_planes):
+    for module, shape in ((reference, shell.radius), (contact_planes, shell.profile)):
         z, u, rhs = start.copy(), np.zeros_like(start), np.zeros_like(start)
         rub = np.ones_like(start)
         module.plane_step(
             planes.nodes, planes.weights, planes.normal, planes.rest,
-            inverse, limit, weight, contact_planes.SWEEPS, friction, before, z, u, rub, rhs,
+            inverse, shape, weight, contact_planes.SWEEPS, friction, before, z, u, rub, rhs,
         )  # fmt: skip
         answers.append((z, u, rhs, rub))
     for wanted, got in zip(*answers, strict=True):
@@ -410,7 +412,7 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
     z = answers[1][0].copy()
     for _ in range(30):
         none = np.zeros((3, *z.shape))
-        planes.step(inverse, limit, weight, friction, before, z, *none)
+        planes.step(inverse, shell.profile, weight, friction, before, z, *none)
     gap = np.einsum("ki,kid,kd->k", planes.weights, z[planes.nodes], planes.normal)
     assert np.min(gap - planes.rest) >= -1e-5
 
@@ -458,7 +460,8 @@ def test_planes_project_on_the_nearest_point_of_all_of_them(radius: float):
     z = wanted * np.minimum(1.0, radius / size)
     u, rhs, rub = wanted - z, np.zeros_like(z), np.zeros_like(z)
     pushed = (planes.rest - flat @ z.ravel()).max()
-    planes.step(1.0 / mass, np.full(nodes, radius), 3.0 * mass, 0.0, z, z, u, rub, rhs)
+    shell = Sphere(radius) if np.isfinite(radius) else NO_SHELL
+    planes.step(1.0 / mass, shell.profile, 3.0 * mass, 0.0, z, z, u, rub, rhs)
     assert pushed > 0.1
     np.testing.assert_allclose(z.ravel(), exact.x, atol=20.0 * contact_planes.PRECISION * pushed)
     np.testing.assert_allclose(z + u, wanted, atol=1e-14)

@@ -15,6 +15,7 @@ from cloth.material import diaphragm
 from cloth.mesh import hemisphere
 from cloth.residual import residual, stress
 from cloth.settle import settle
+from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
 
 WATER, GRAVITY = 997.0, 9.81
@@ -39,7 +40,7 @@ def tank(
     cloth = Cloth(
         mesh=hemisphere(radius, rings),
         diaphragm=rubber,
-        shell_radius=radius,
+        shell=Sphere(radius),
         tensile_stiffness=None if resolved else 100.0 * unit,
         compressive_stiffness=None if resolved else 1e-3 * unit,
         self_contact=True,
@@ -54,7 +55,7 @@ def centre(cloth: Cloth) -> np.ndarray:
     p = cloth.state.position[cloth.triangles]
     cone = np.einsum("td,td->t", p[:, 0], np.cross(p[:, 1], p[:, 2])) / 6.0
     moment = (cone[:, None] * p.sum(axis=1) / 4.0).sum(axis=0)
-    moment[2] -= 0.25 * math.pi * float(cloth.model.limit[0]) ** 4
+    moment[2] -= 0.25 * math.pi * float(cloth.model.shell.size) ** 4
     return np.asarray(moment / cloth.state.volume)
 
 
@@ -162,7 +163,7 @@ def test_the_centre_of_gravity_turns_with_gravity(tilt, modulus):
     """
     cloth, load = tank(tilt=tilt, rings=10, modulus=modulus)
     assert settle(cloth, load).converged
-    radius = float(cloth.model.limit[0])
+    radius = float(cloth.model.shell.size)
     kappa = modulus * 1.778e-3**3 / 9.0
     held = 4.0 * (kappa / (WATER * GRAVITY)) ** 0.25 / (math.sqrt(2.0) * radius)
     level = 0.375 * radius * math.sin(math.radians(tilt))
@@ -175,7 +176,7 @@ def test_a_clamped_sheet_keeps_the_liquid_of_a_tank_on_its_side_back():
     assert settle(slack, load).converged
     taut, load = tank(tilt=90.0)
     assert settle(taut, load).converged
-    assert centre(slack)[0] < centre(taut)[0] < 0.9 * 0.375 * float(taut.model.limit[0])
+    assert centre(slack)[0] < centre(taut)[0] < 0.9 * 0.375 * float(taut.model.shell.size)
     assert np.median(taut.state.tension) > 10.0 * np.median(slack.state.tension)
 
 

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 from cloth.material import Diaphragm
+from cloth.shell.sphere import Sphere
 from cloth.thesis import grid as grid_module
 from cloth.thesis import kernels, reference
 from cloth.thesis.constants import COLUMNS, OFFSETS, ROWS, STRETCHING, Constants, constants
@@ -45,7 +46,7 @@ class Datum:
 
 
 def build(size: int = 26, **options) -> ThesisSheet:
-    return ThesisSheet(grid=thesis_grid(R, size), diaphragm=RUBBER, shell_radius=R, **options)
+    return ThesisSheet(grid=thesis_grid(R, size), diaphragm=RUBBER, shell=Sphere(R), **options)
 
 
 def advance(sheet: ThesisSheet, seconds: float, load) -> ThesisSheet:

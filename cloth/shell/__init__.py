@@ -1,0 +1,1 @@
+"""The rigid shell round the diaphragm: its surface as data, and what compiled code asks of it."""

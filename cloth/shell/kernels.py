@@ -1,0 +1,228 @@
+"""The shell in compiled code: where nodes that leave it belong.
+
+A shell comes as its ``profile``, whose number of columns says what it is:
+
+* (0, 1): there is no shell;
+* (1, 1): a sphere about the origin, by its radius [m];
+* (k, 7): a surface of revolution about z, by its meridian from the lower pole to the upper one,
+  a line or an arc to a row: the start's r and z, the end's r and z, an arc's centre's r and z, and
+  its radius [m]: above 0 where the shell is convex, below 0 where it is concave, 0 for a line.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cloth.arrays import Array
+from cloth.compiled import compiled
+
+FLAT = 1e-9  # curvature times distance, below which a surface is taken for flat
+
+
+@compiled
+def nearest_on(profile: Array, r: float, z: float) -> tuple[float, float, float, float, float]:
+    """Nearest point of a meridian to (``r``, ``z``) [m]: its r and z, the outward normal's, and
+    the meridian's curvature there [1/m].
+
+    Of two as near ones the first.
+    """
+    best, found = math.inf, (0.0, 0.0, 0.0, 0.0, 0.0)
+    for k in range(profile.shape[0]):
+        r0, z0, r1, z1 = profile[k, 0], profile[k, 1], profile[k, 2], profile[k, 3]
+        a, b, radius = profile[k, 4], profile[k, 5], profile[k, 6]
+        if radius == 0.0:
+            tr, tz = r1 - r0, z1 - z0
+            share = ((r - r0) * tr + (z - z0) * tz) / (tr * tr + tz * tz)
+            share = min(1.0, max(0.0, share))
+            pr, pz = r0 + share * tr, z0 + share * tz
+            length = math.sqrt(tr * tr + tz * tz)
+            nr, nz, bend = tz / length, -tr / length, 0.0
+        else:
+            turn = 1.0 if radius > 0.0 else -1.0
+            nr, nz = r - a, z - b
+            after = turn * ((r0 - a) * nz - (z0 - b) * nr) >= 0.0
+            before = turn * (nr * (z1 - b) - nz * (r1 - a)) >= 0.0
+            if not (after and before):
+                first = (r - r0) ** 2 + (z - z0) ** 2 <= (r - r1) ** 2 + (z - z1) ** 2
+                nr, nz = (r0 - a, z0 - b) if first else (r1 - a, z1 - b)
+            length = math.sqrt(nr * nr + nz * nz)
+            if length == 0.0:  # at the centre, from which all of the arc is as near
+                nr, nz, length = r0 - a, z0 - b, turn * radius
+            nr, nz, bend = turn * nr / length, turn * nz / length, 1.0 / radius
+            pr, pz = a + radius * nr, b + radius * nz
+        square = (r - pr) ** 2 + (z - pz) ** 2
+        if square < best:
+            best, found = square, (pr, pz, nr, nz, bend)
+    return found
+
+
+@compiled
+def nearest_point(profile: Array, y: Array, place: Array, normal: Array) -> tuple[float, float]:
+    """Put the shell's nearest point to ``y`` (3,) into ``place`` (3,), its normal into ``normal``.
+
+    Of a shell with a meridian. Returns how far ``y`` lies beyond it [m], below 0 inside, and the
+    meridian's curvature there [1/m]. On the axis the half plane of positive x is taken.
+    """
+    r = math.sqrt(y[0] * y[0] + y[1] * y[1])
+    c, s = (y[0] / r, y[1] / r) if r > 0.0 else (1.0, 0.0)
+    pr, pz, nr, nz, bend = nearest_on(profile, r, y[2])
+    place[0], place[1], place[2] = pr * c, pr * s, pz
+    normal[0], normal[1], normal[2] = nr * c, nr * s, nz
+    return (r - pr) * nr + (y[2] - pz) * nz, bend
+
+
+@compiled
+def nearest_points(profile: Array, x: Array, place: Array, normal: Array, beyond: Array) -> None:
+    """``nearest_point`` of all ``x`` (n, 3), its first result into ``beyond`` (n,)."""
+    for i in range(len(x)):
+        beyond[i], _ = nearest_point(profile, x[i], place[i], normal[i])
+
+
+@compiled
+def keep_within(profile: Array, place: Array) -> None:
+    """Move ``place`` (3,) [m] to the nearest point of the shell if it lies beyond it."""
+    if profile.shape[0] == 0:
+        return
+    if profile.shape[1] == 1:
+        square = place[0] * place[0] + place[1] * place[1] + place[2] * place[2]
+        scale = min(1.0, profile[0, 0] / max(math.sqrt(square), 1e-30))
+        place[0], place[1], place[2] = scale * place[0], scale * place[1], scale * place[2]
+        return
+    r = math.sqrt(place[0] * place[0] + place[1] * place[1])
+    pr, pz, nr, nz, _ = nearest_on(profile, r, place[2])
+    if (r - pr) * nr + (place[2] - pz) * nz > 0.0:
+        c, s = (place[0] / r, place[1] / r) if r > 0.0 else (1.0, 0.0)
+        place[0], place[1], place[2] = pr * c, pr * s, pz
+
+
+@compiled
+def outward_part(profile: Array, place: Array, vector: Array, part: Array) -> None:
+    """Put the part of ``vector`` (3,) along the shell's normal at ``place`` (3,) into ``part``.
+
+    Where it points outward; elsewhere, and without a shell, ``part`` (3,) stays as it is.
+    """
+    if profile.shape[0] == 0:
+        return
+    along, square = 0.0, 1e-60
+    if profile.shape[1] == 1:
+        for d in range(3):
+            along += vector[d] * place[d]
+            square += place[d] * place[d]
+        if along > 0.0:
+            for d in range(3):
+                part[d] = along / square * place[d]
+        return
+    near, normal = np.empty(3), np.empty(3)
+    nearest_point(profile, place, near, normal)
+    for d in range(3):
+        along += vector[d] * normal[d]
+    if along > 0.0:
+        for d in range(3):
+            part[d] = along * normal[d]
+
+
+@compiled
+def settle_on(
+    profile: Array, y: Array, friction: float, start: Array, place: Array, normal: Array
+) -> bool:
+    """Put where a node that is asked for at ``y`` (3,) [m] belongs into ``place`` (3,) [m].
+
+    Within the shell that is ``y``. Beyond it, where y - place is in the cone of ``friction`` about
+    the ``normal`` (3,) there, as ``cloth.reference.contact_step`` says, for a node that was at
+    ``start`` (3,) [m]. Returns whether it touches; the normal is given where it does.
+    """
+    if profile.shape[0] == 0:
+        place[0], place[1], place[2] = y[0], y[1], y[2]
+        return False
+    if profile.shape[1] == 1:
+        limit = profile[0, 0]
+        radius = math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2])
+        scale = min(1.0, limit / max(radius, 1e-30))
+        if scale >= 1.0 or friction <= 0.0:
+            place[0], place[1], place[2] = scale * y[0], scale * y[1], scale * y[2]
+            if scale < 1.0:
+                normal[0], normal[1], normal[2] = y[0] / radius, y[1] / radius, y[2] / radius
+            return bool(scale < 1.0)
+        slide_to(y[0] / radius, y[1] / radius, y[2] / radius, start, friction, scale, normal)
+        place[0], place[1], place[2] = limit * normal[0], limit * normal[1], limit * normal[2]
+        return True
+    beyond, bend = nearest_point(profile, y, place, normal)
+    if beyond <= 0.0:
+        place[0], place[1], place[2] = y[0], y[1], y[2]
+        return False
+    if friction > 0.0:
+        slide_along(profile, beyond, bend, friction, start, place, normal)
+    return True
+
+
+@compiled
+def slide_to(
+    e0: float, e1: float, e2: float, start: Array, friction: float, scale: float, place: Array
+) -> None:
+    """The direction into ``place`` (3,) where friction leaves a node asked for along e.
+
+    On the great circle from the unit vector e to that of ``start`` (3,), at most so far that it is
+    there; ``scale``: the shell's radius over the distance asked for.
+    """
+    size = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
+    s0, s1, s2 = start[0] / size, start[1] / size, start[2] / size
+    cosine = e0 * s0 + e1 * s1 + e2 * s2
+    t0, t1, t2 = s0 - cosine * e0, s1 - cosine * e1, s2 - cosine * e2
+    sine = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    cone = math.atan(friction)
+    turn = cone - math.asin(math.sin(cone) * scale)
+    if math.atan2(sine, cosine) <= turn:
+        place[0], place[1], place[2] = s0, s1, s2
+        return
+    c, s = math.cos(turn), math.sin(turn) / max(sine, 1e-300)
+    place[0], place[1], place[2] = c * e0 + s * t0, c * e1 + s * t1, c * e2 + s * t2
+
+
+@compiled
+def slide_along(
+    profile: Array,
+    beyond: float,
+    bend: float,
+    friction: float,
+    start: Array,
+    place: Array,
+    normal: Array,
+) -> None:
+    """Move ``place`` (3,) [m] along a shell with a meridian to where friction leaves the node.
+
+    ``place``, its ``normal`` (3,), ``beyond`` [m] and ``bend`` [1/m] are ``nearest_point``'s. As
+    ``slide_to``, on the circle that has the surface's curvature in the direction of ``start``
+    (Euler's formula, with the parallel circle's n_r/r for the other principal curvature), a
+    straight line where that is 0 or concave; what leaves the surface by its change of curvature
+    is projected back.
+    """
+    home, at_home = place.copy(), normal.copy()
+    nearest_point(profile, start, home, at_home)
+    t0, t1, t2 = home[0] - place[0], home[1] - place[1], home[2] - place[2]
+    along = t0 * normal[0] + t1 * normal[1] + t2 * normal[2]
+    t0, t1, t2 = t0 - along * normal[0], t1 - along * normal[1], t2 - along * normal[2]
+    way = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    r = math.sqrt(place[0] ** 2 + place[1] ** 2)
+    across = 0.0 if r <= 0.0 else (t1 * place[0] - t0 * place[1]) / (r * max(way, 1e-300))
+    nr = math.sqrt(normal[0] ** 2 + normal[1] ** 2)
+    hoop = bend if r <= 0.0 else nr / r
+    curvature = (1.0 - across * across) * bend + across * across * hoop
+    cone = math.atan(friction)
+    if curvature * (beyond + way) <= FLAT:
+        stays, forth, up = way <= friction * beyond, friction * beyond, 0.0
+    else:
+        radius = 1.0 / curvature
+        turn = cone - math.asin(math.sin(cone) * radius / (radius + beyond))
+        stays = math.atan2(way, radius + along) <= turn
+        forth, up = radius * math.sin(turn), radius * (math.cos(turn) - 1.0)
+    if stays:
+        for d in range(3):
+            place[d], normal[d] = home[d], at_home[d]
+        return
+    share = forth / max(way, 1e-300)
+    home[0] = place[0] + up * normal[0] + share * t0
+    home[1] = place[1] + up * normal[1] + share * t1
+    home[2] = place[2] + up * normal[2] + share * t2
+    nearest_point(profile, home, place, normal)

@@ -1,0 +1,210 @@
+"""A surface of revolution by its meridian: lines and arcs in the half plane of r and z."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from cloth.arrays import Array
+from cloth.shell.kernels import nearest_points
+from cloth.shell.pieces import JOINT, crossings, piece_length, piece_points, share_below
+from cloth.shell.upper_part import UpperPart
+
+LEVEL = 1e-12  # sine of the angle below which a plane is level
+NEWTON = 60  # steps along a ray, at most; a sphere takes one
+NODES = 24  # of Gauss's rule on a piece: a quarter circle's powers up to the tenth to rounding
+BISECTIONS = 60  # of a share between 0 and 1
+
+
+class Meridian:
+    """The shell (a ``Shell``) whose meridian consists of ``pieces`` (k of (7,): ``line``, ``arc``).
+
+    From the lower pole to the upper one, both on the axis; every ray from the origin meets it once,
+    and its height rises throughout. The rim is where it crosses z = 0. What is not checked: that it
+    does not cross itself. Raises ValueError where the pieces do not join.
+    """
+
+    def __init__(self, pieces: Sequence[Array]) -> None:
+        self.profile: Array = np.array(pieces)
+        starts, ends = self.profile[:, :2], self.profile[:, 2:4]
+        allowed = JOINT * float(np.abs(self.profile[:, :4]).max())
+        if np.abs(starts[1:] - ends[:-1]).max(initial=0.0) > allowed:
+            raise ValueError("meridian: every piece must start where the one before ends.")
+        if max(abs(starts[0, 0]), abs(ends[-1, 0])) > allowed:
+            raise ValueError("meridian: its ends must lie on the axis, r = 0.")
+        self.poles = float(starts[0, 1]), float(ends[-1, 1])
+        if not self.poles[0] < 0.0 < self.poles[1]:
+            raise ValueError(
+                "meridian: its ends must lie below and above z = 0, the rim's plane, "
+                f"got {self.poles}."
+            )
+        self._lengths = np.array([piece_length(piece) for piece in self.profile])
+        self._below_rim = self._length_to(0.0)
+        self.size = float(self.along(np.zeros(1))[0][0])
+        self._reach = float(np.hypot(*self.profile[:, [[0, 2], [1, 3]]].swapaxes(0, 1)).max())
+        self._reach += float(np.abs(self.profile[:, 6]).max())
+
+    def _nearest(self, x: Array) -> tuple[Array, Array, Array]:
+        """Nearest points (n, 3), their normals (n, 3), how far ``x`` (n, 3) is beyond them (n,)."""
+        place, normal, beyond = np.empty_like(x), np.empty_like(x), np.empty(len(x))
+        nearest_points(self.profile, np.ascontiguousarray(x), place, normal, beyond)
+        return place, normal, beyond
+
+    def gap(self, x: Array) -> Array:
+        """Distance (n,) [m] of ``x`` (n, 3) from the shell, below 0 outside."""
+        return -self._nearest(x)[2]
+
+    def normal(self, x: Array) -> Array:
+        """Outward unit normals (n, 3) where the shell is nearest to ``x`` (n, 3)."""
+        return self._nearest(x)[1]
+
+    def project(self, x: Array) -> Array:
+        """The shell's nearest points (n, 3) to ``x`` (n, 3)."""
+        return self._nearest(x)[0]
+
+    def confine(self, x: Array, depth: Array | float = 0.0) -> Array:
+        """``x`` (n, 3), what lies less than ``depth`` (n,) sizes inside moved to there."""
+        place, normal, beyond = self._nearest(x)
+        depth = np.broadcast_to(depth, beyond.shape) * self.size
+        inner = place - depth[:, None] * normal
+        return np.where((beyond > -depth)[:, None], inner, x)
+
+    def share_within(self, start: Array, shift: Array) -> float:
+        """Largest share in [0, 1] of ``shift`` (3,) that keeps ``start`` (k, 3) inside.
+
+        Of a convex shell; of another the first bisection's choice among several.
+        """
+        low, high = 0.0, 1.0
+        if self.gap(start + shift).min() >= 0.0:
+            return 1.0
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            inside = self.gap(start + middle * shift).min() >= 0.0
+            low, high = (middle, high) if inside else (low, middle)
+        return low
+
+    def along(self, arc: Array) -> tuple[Array, Array]:
+        """Radius and height (n,) [m] of the meridian ``arc`` (n,) [m] above the rim, along it."""
+        ends = np.cumsum(self._lengths)
+        place = np.clip(arc + self._below_rim, 0.0, ends[-1])
+        piece = np.minimum(np.searchsorted(ends, place), len(ends) - 1)
+        share = (place - (ends - self._lengths)[piece]) / self._lengths[piece]
+        r, z, _, _ = piece_points(self.profile[piece], share)
+        return r, z
+
+    def arc_to(self, height: float) -> float:
+        """The reverse of ``along``: arc length [m] from the rim up to ``height`` [m]."""
+        return self._length_to(height) - self._below_rim
+
+    def _length_to(self, height: float) -> float:
+        """Arc length [m] from the lower pole up to ``height`` [m]."""
+        return float(sum(share * piece_length(piece) for piece, share in self._below(height)))
+
+    def _below(self, height: float) -> Iterator[tuple[Array, float]]:
+        """The pieces (7,) that begin below ``height`` [m], and their shares that lie below it."""
+        for piece in self.profile:
+            if piece[1] < height:
+                yield piece, share_below(piece, height) if piece[3] > height else 1.0
+
+    def _samples(self, height: float, nodes: int) -> tuple[Array, Array, Array, Array, Array]:
+        """Gauss's points of the meridian below ``height`` [m]: r, z, the normal's parts, ds."""
+        node, weight = np.polynomial.legendre.leggauss(nodes)
+        parts = [(np.zeros(0),) * 5] + [
+            (*piece_points(np.tile(piece, (nodes, 1)), 0.5 * share * (1.0 + node)),
+             0.5 * share * piece_length(piece) * weight)
+            for piece, share in self._below(height)
+        ]  # fmt: skip
+        r, z, nr, nz, ds = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return r, z, nr, nz, ds
+
+    @property
+    def volume(self) -> float:
+        """Of the whole inside [m^3]."""
+        return self.volume_below(self.poles[1])
+
+    def volume_below(self, height: float) -> float:
+        """Volume [m^3] inside, below the plane z = ``height`` [m]."""
+        r, _, nr, _, ds = self._samples(height, NODES)
+        return math.pi * float(np.sum(r * r * nr * ds))
+
+    def moment_below(self, height: float) -> float:
+        """int z dV [m^4] over the inside below the plane z = ``height`` [m]."""
+        r, z, nr, _, ds = self._samples(height, NODES)
+        return math.pi * float(np.sum(r * r * z * nr * ds))
+
+    def level_of(self, volume: float, up: Array) -> float:
+        """Height [m] above the origin, along ``up`` (3,), of the surface of a level ``volume``.
+
+        ``volume`` [m^3], from 0 to the shell's.
+        """
+        lean = float(np.hypot(up[0], up[1]) / np.linalg.norm(up))
+        rise = float(up[2] / np.linalg.norm(up))
+
+        def excess(level: float) -> float:
+            return self._volume_under(level, lean, rise) - volume
+
+        return float(brentq(excess, -self._reach, self._reach, xtol=1e-15 * self._reach))
+
+    def _volume_under(self, level: float, lean: float, rise: float) -> float:
+        """Volume [m^3] where ``lean`` y + ``rise`` z <= ``level``, y a horizontal coordinate.
+
+        Circles cut by a chord, Gauss's rule between the heights at which the plane leaves them, in
+        a variable that takes their roots away.
+        """
+        if lean <= LEVEL:
+            below = self.volume_below(level / rise)
+            return below if rise > 0.0 else self.volume - below
+        node, weight = np.polynomial.legendre.leggauss(2 * NODES)
+        angle, total = 0.25 * np.pi * (1.0 + node), 0.0
+        for piece in self.profile:
+            for low, high in itertools.pairwise(crossings(piece, level, lean, rise)):
+                share = low + (high - low) * np.sin(angle) ** 2
+                r, z, nr, _ = piece_points(np.tile(piece, (len(node), 1)), share)
+                ds = 0.25 * np.pi * piece_length(piece) * (high - low) * np.sin(2.0 * angle)
+                with np.errstate(divide="ignore"):
+                    chord = np.clip((level - rise * z) / (lean * r), -1.0, 1.0)
+                cut = np.pi - np.arccos(chord) + chord * np.sqrt(1.0 - chord**2)
+                total += float(np.sum(r * r * cut * nr * ds * weight))
+        return total
+
+    def on_rays(self, directions: Array) -> Array:
+        """Where rays from the origin in ``directions`` (n, 3), of length 1, meet it (n, 3) [m].
+
+        By Newton's method along each ray from outside: the distance from a convex shell is convex
+        along it, so that no step passes the shell.
+        """
+        reach = np.full(len(directions), self._reach)
+        for _ in range(NEWTON):
+            _, normal, beyond = self._nearest(reach[:, None] * directions)
+            step = beyond / np.einsum("nx,nx->n", normal, directions)
+            reach -= step
+            if np.abs(step).max() <= 4e-16 * self._reach:
+                break
+        return np.asarray(reach[:, None] * directions)
+
+    def scaled(self, factor: float) -> Meridian:
+        """The shell ``factor`` times as large, about the origin."""
+        return Meridian(list(factor * self.profile))
+
+    def quadrature(self, degree: int, height: float = 0.0) -> tuple[Array, Array]:
+        """Points (n, 3) [m] below z = ``height`` [m] and their outward area vectors (n, 3) [m^2].
+
+        For products of two polynomials of ``degree``, one times the normal: exact around, to
+        rounding along an arc of a quarter circle or less.
+        """
+        count = 2 * (degree + 1)
+        r, z, nr, nz, ds = self._samples(height, 2 * degree + NODES)
+        angle = 2.0 * np.pi * np.arange(count) / count
+        around = np.stack([np.cos(angle), np.sin(angle), np.ones(count)], axis=1)
+        points = np.stack([r, r, z], axis=1)[:, None] * around
+        size = (2.0 * np.pi / count) * r * ds
+        area = (size[:, None] * np.stack([nr, nr, nz], axis=1))[:, None] * around
+        return points.reshape(-1, 3), area.reshape(-1, 3)
+
+    def upper_part(self) -> UpperPart:
+        """The mould of a sheet that lies on the shell above the rim."""
+        return UpperPart(self)
