@@ -159,7 +159,7 @@ class StudyRecord:
                 summary,
                 read_results(self.folder / found[0].place),
                 found[1],
-                entry.scene.tank.radius,
+                entry.scene.tank.shell.size,
             )
         return self._errors[key]
 

@@ -35,7 +35,7 @@ def row_of(
             if best is not None and row["failure"] is None:
                 row["error"] = compare(
                     read_results(folder / name), summaries[name],
-                    read_results(folder / best), summaries[best], scene.tank.radius,
+                    read_results(folder / best), summaries[best], scene.tank.shell.size,
                 )  # fmt: skip
         except RunFailed as error:
             row["status"], row["failure"] = "failed", str(error)

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cloth.shell.sphere import level_of_fill_fraction
 from coupling.estimate.sloshing_modes import covered_eigenvalue, slosh_eigenvalue
-from coupling.interface.liquid_shape import level_of_fill_fraction
 from coupling.motion.shaking import driving_frequency, largest_acceleration, largest_body_force
 from coupling.scene.scene import Scene
 from coupling.scene.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
@@ -122,7 +122,7 @@ class Numbers:
 
 def _similarity(scene: Scene, gravity: float, frequency: float) -> dict[str, Any]:
     """Bond, Weber and Froude numbers, the first two None where sigma is not known."""
-    radius, density = scene.tank.radius, scene.liquid.density
+    radius, density = scene.tank.shell.size, scene.liquid.density
     bond = weber = None
     sigma = scene.liquid.surface_tension
     if sigma is not None:
@@ -136,14 +136,14 @@ def _similarity(scene: Scene, gravity: float, frequency: float) -> dict[str, Any
 
 def _wrinkles(scene: Scene) -> dict[str, Any]:
     """How long the wrinkles are, and whether the cloth's grid can show them."""
-    radius = scene.tank.radius
+    radius, length = scene.tank.shell.size, scene.tank.mould.length
     wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
-    rings = rings_to_resolve(radius, wavelength)
+    rings = rings_to_resolve(length, wavelength)
     fine = scene.cloth.grid == "rings" and scene.cloth.rings >= rings
     return {
         "elasto_gravity_wavelength": wavelength,
         "folds_round_the_rim": 2.0 * float(np.pi) * radius / wavelength,
-        "grid_spacing": grid_spacing(radius, scene.cloth),
+        "grid_spacing": grid_spacing(length, scene.cloth),
         "rings_to_resolve": rings,
         "wrinkling_allowed": "resolved" if fine else "relaxed",
     }
@@ -151,7 +151,8 @@ def _wrinkles(scene: Scene) -> dict[str, Any]:
 
 def numbers_of(scene: Scene) -> Numbers:
     """Dimensionless numbers of ``scene``."""
-    radius, density, rubber = scene.tank.radius, scene.liquid.density, scene.diaphragm
+    shell, density, rubber = scene.tank.shell, scene.liquid.density, scene.diaphragm
+    radius = shell.size
     gravity = float(np.linalg.norm(scene.gravity))
     body_force = largest_body_force(scene)
     level = level_of_fill_fraction(scene.liquid.fill_fraction)

@@ -12,8 +12,9 @@ def stress_estimate(scene: Scene) -> float:
     b is the largest body force of the motion. An upper estimate: where the diaphragm lies on the
     shell, the shell carries the load; slams, which pull harder for an instant, are left out.
     """
-    pressure = scene.liquid.density * largest_body_force(scene) * scene.tank.radius
-    return pressure * scene.tank.radius / (2.0 * scene.diaphragm.thickness_range[0])
+    radius = scene.tank.shell.size
+    pressure = scene.liquid.density * largest_body_force(scene) * radius
+    return pressure * radius / (2.0 * scene.diaphragm.thickness_range[0])
 
 
 def strength_verdict(scene: Scene, stress: float | None) -> str | None:

@@ -17,11 +17,12 @@ from coupling.finite_volume.geometry import (
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.smoothing import ElasticMesh, MeshFolds
 from coupling.finite_volume.swept import swept_gradient
-from coupling.ports import Array, Cause, Ints, RunFailed, StepFailed
+from coupling.ports import Array, Cause, Ints, RunFailed, Shell, StepFailed
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
 BETTER = 5.0  # degrees that a new mesh must gain
-DEPTH, EDGE = 0.01, 0.1  # over R: least depth below the shell; it rises so from the patch's rim
+# Over the shell's size: least depth below the shell; it rises so from the patch's rim.
+DEPTH, EDGE = 0.01, 0.1
 
 _log = logging.getLogger(__name__)
 
@@ -36,7 +37,7 @@ class MeshShape:
 
 
 class FollowingMesh:
-    """Points of ``mesh`` in a shell of ``radius`` [m]: the shapes ``committed`` and ``now``.
+    """Points of ``mesh`` in a tank's shell: the shapes ``committed`` and ``now``.
 
     The boundary's points are imposed, those inside relax from where they were. A mesh that folds
     or gets skewed is made anew from the reference. That needs no interpolation of the fields: the
@@ -44,14 +45,13 @@ class FollowingMesh:
     carries over, as it does of any motion, with mass and momentum conserved to rounding.
     """
 
-    def __init__(self, mesh: LiquidMesh, radius: float) -> None:
-        self.mesh, self.radius = mesh, radius
+    def __init__(self, mesh: LiquidMesh, tank: Shell) -> None:
+        self.mesh, self.tank = mesh, tank
         self._boundary: Ints = mesh.faces[mesh.inner_faces :]
-        self._elastic = ElasticMesh(mesh, radius)
-        self._reference = radius * mesh.points
+        self._elastic = ElasticMesh(mesh, tank.size)
+        self._reference = tank.size * mesh.points
         reach = np.linalg.norm(mesh.points[mesh.patch_points][:, :2], axis=1)
-        depth = np.minimum(DEPTH, EDGE * (1.0 - reach))
-        self._farthest = np.where(mesh.rim, np.inf, radius * (1.0 - depth))
+        self._depth = np.minimum(DEPTH, EDGE * (1.0 - reach))
         self._fan, self._size = fan_volume(self._reference[self._boundary]), 1.0
         self.committed = self.now = self._shape(self._reference)
         self.shell = self._reference[mesh.shell_points]  # (s, 3) [m] of the step
@@ -203,10 +203,10 @@ class FollowingMesh:
 
     def _inside(self, patch: Array) -> Array:
         """``patch`` (p, 3) [m] but for points beyond the shell, of the same volume."""
-        distance = np.linalg.norm(patch, axis=1)
-        if not (distance > self._farthest).any():
+        inside = np.where(self.mesh.rim[:, None], patch, self.tank.confine(patch, self._depth))
+        if np.array_equal(inside, patch):
             return patch
-        return self.close_volume(patch * np.minimum(1.0, self._farthest / distance)[:, None])
+        return self.close_volume(inside)
 
     def accept_step(self) -> None:
         """Commit where the last call of ``follow`` led."""

@@ -104,10 +104,10 @@ def corner_energy(
 
 
 class ElasticMesh:
-    """Relaxes the interior points of ``mesh``; ``radius`` [m] scales its reference."""
+    """Relaxes the interior points of ``mesh``; ``size`` [m] is the radius of its reference."""
 
-    def __init__(self, mesh: LiquidMesh, radius: float) -> None:
-        reference = radius * mesh.points
+    def __init__(self, mesh: LiquidMesh, size: float) -> None:
+        reference = size * mesh.points
         self.corners: Ints = np.ascontiguousarray(mesh.hexes[:, _NEIGHBOURS].reshape(-1, 4))
         edges = reference[self.corners[:, 1:]] - reference[self.corners[:, :1]]
         self._inverse = np.ascontiguousarray(np.linalg.inv(np.swapaxes(edges, 1, 2)))

@@ -12,24 +12,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from coupling.fluids.model import FluidModel
-from coupling.interface.liquid_shape import level_of_fill_fraction
-from coupling.ports import Array, HydrostaticLoad
+from coupling.ports import Array, HydrostaticLoad, Shell
 from coupling.scene.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
 class Datum:
-    """p = rho (b.x + |b| level): zero on the plane at ``level`` [m] above the tank's centre.
+    """p = rho (b.x + |b| level): zero on the plane at ``level`` [m] above the origin, against b.
 
-    ``level`` is that of a spherical cap of the liquid's volume, whichever way b points (Eq. 4.5).
+    There a level liquid of ``volume`` [m^3] would have its surface in the ``shell`` (Eq. 4.5, of a
+    sphere, where it stands as high whichever way b points).
     """
 
     density: float
-    level: float
+    shell: Shell
+    volume: float
 
     def load(self, body_force: Array) -> HydrostaticLoad:
         """The load under ``body_force`` (3,) [m/s^2], gravity less the tank's acceleration."""
-        datum = self.density * float(np.linalg.norm(body_force)) * self.level
+        level = self.shell.level_of(self.volume, -body_force)
+        datum = self.density * float(np.linalg.norm(body_force)) * level
         return HydrostaticLoad(density=self.density, body_force=body_force, datum=datum)
 
 
@@ -42,8 +44,9 @@ class DatumModel(FluidModel):
 
     def load_model(self, scene: Scene) -> Datum:
         """Of the level that the scene's liquid would have without a diaphragm."""
-        depth = level_of_fill_fraction(scene.liquid.fill_fraction)  # over R, from the bottom
-        return Datum(density=scene.liquid.density, level=(depth - 1.0) * scene.tank.radius)
+        return Datum(
+            density=scene.liquid.density, shell=scene.tank.shell, volume=scene.liquid_volume
+        )
 
 
 DATUM = DatumModel()

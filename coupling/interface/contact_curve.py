@@ -1,11 +1,11 @@
 """Which part of the diaphragm is free of the shell, and the contact curve round it.
 
-Both are described in the moulded shape, where the sheet is a hemisphere and never folds: the free
-part is star-shaped about an axis, and its edge lies at the polar angle psi(phi) from it. In any
-sector of azimuths the sheet that lies on the shell takes the solid angle omega(phi) dphi off the
-hemisphere's, so that cos psi = cos psi_rim + omega, psi_rim being the clamped rim's. omega is kept
-as a few Fourier coefficients, sums over triangles whose weight falls off smoothly with the gap: the
-curve moves smoothly with the sheet. In time it follows as a damped spring does.
+Both are described in the moulded shape, unrolled on the unit hemisphere, where it never folds: the
+free part is star-shaped about an axis, and its edge lies at the polar angle psi(phi) from it. In
+any sector of azimuths the sheet that lies on the shell takes the solid angle omega(phi) dphi off
+the hemisphere's, so that cos psi = cos psi_rim + omega, psi_rim being the clamped rim's. omega is
+kept as a few Fourier coefficients, sums over triangles whose weight falls off smoothly with the
+gap: the curve moves smoothly with the sheet. In time it follows as a damped spring does.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coupling.ports import Array, Ints
+from coupling.ports import Array, Ints, Shell
 
 _WIDEST = 0.98  # |cos psi| of the curve, at most
 
@@ -92,26 +92,27 @@ class FreePart:
 
 
 class ContactSearch:
-    """Finds the free part of a sheet moulded as ``reference`` (n, 3), in a shell of ``radius``.
+    """Finds the free part of a sheet in a ``shell``, its nodes ``moulded`` (n, 3) at a direction.
 
-    ``fixed`` (n,) nodes are always at the shell: a triangle goes by its others.
+    On the unit hemisphere of a mould's chart. ``fixed`` (n,) nodes are always at the shell: a
+    triangle goes by its others.
     """
 
     def __init__(
         self,
-        reference: Array,
+        moulded: Array,
         triangles: Ints,
         fixed: NDArray[np.bool_],
-        radius: float,
+        shell: Shell,
         settings: ContactSettings | None = None,
     ) -> None:
         self.settings = settings or ContactSettings()
-        self.radius = radius
+        self.shell = shell
         self._triangles = triangles
         moving = (~fixed)[triangles].astype(float)
         self._share = moving / np.maximum(moving.sum(axis=1), 1.0)[:, None]
-        self._angle = solid_angles(reference, triangles)
-        centre = reference[triangles].mean(axis=1)
+        self._angle = solid_angles(moulded, triangles)
+        centre = moulded[triangles].mean(axis=1)
         self.smooth = Smooth(self.settings.rate, fast=self.settings.fast, small=self.settings.small)
         self._centre = centre / np.linalg.norm(centre, axis=1)[:, None]
 
@@ -127,7 +128,7 @@ class ContactSearch:
 
     def _measured(self, position: Array) -> Array:
         """Axis, real and imaginary parts of the waves, one after the other."""
-        gap = 1.0 - np.linalg.norm(position, axis=1) / self.radius
+        gap = self.shell.gap(position) / self.shell.size
         near = np.clip(1.0 - gap / self.settings.reach, 0.0, 1.0)
         resting = (near * near * (3.0 - 2.0 * near))[self._triangles]
         resting = (self._share * resting).sum(axis=1)

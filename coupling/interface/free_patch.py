@@ -30,7 +30,7 @@ from coupling.interface.liquid_shape import liquid_cg
 from coupling.interface.mapping import Support, moving_least_squares, moving_quadratics
 from coupling.interface.patch_map import Lift, PatchMap, node_area, patch_area
 from coupling.interface.shell_arcs import ShellArcs
-from coupling.ports import Array, Ints, Structure, StructureState
+from coupling.ports import Array, Ints, Shell, Structure, StructureState
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,20 +74,24 @@ class PatchSettings:
 
 
 class FreePatch:
-    """Map from ``sheet`` to the patch of ``mesh`` in a shell of ``radius`` [m]."""
+    """Map from ``sheet`` to the patch of ``mesh`` in a ``shell``.
+
+    ``moulded`` (n, 3): directions of the sheet's nodes on the unit hemisphere of its mould's chart.
+    """
 
     def __init__(
         self,
         mesh: LiquidMesh,
         sheet: Structure,
         *,
-        radius: float,
+        shell: Shell,
+        moulded: Array,
         settings: PatchSettings | None = None,
     ) -> None:
         self.settings = settings or PatchSettings()
-        self.mesh, self.radius = mesh, radius
-        self._triangles, self._moulded = sheet.triangles, sheet.reference / radius
-        self._search = ContactSearch(sheet.reference, sheet.triangles, sheet.fixed, radius)
+        self.mesh, self.shell = mesh, shell
+        self._triangles, self._moulded = sheet.triangles, moulded
+        self._search = ContactSearch(moulded, sheet.triangles, sheet.fixed, shell)
         disc = mesh.points[mesh.patch_points]
         self._reach = np.linalg.norm(disc[:, :2], axis=1)
         self._azimuth = np.arctan2(disc[:, 1], disc[:, 0])
@@ -102,7 +106,7 @@ class FreePatch:
         self._inside = ~mesh.rim  # and no neighbour of the rim, where the sheet turns off the shell
         self._inside[edges[mesh.rim[edges[:, 1]], 0]] = False
         self.map: PatchMap | None = None  # of the last step begun
-        self.size = 1.0  # of the polyhedron that stands for the shell, over R
+        self.size = 1.0  # of the polyhedron that stands for the shell, over the shell's
 
     def fit(self, state: StructureState, volume: float) -> None:
         """Take the size with which the polyhedron holds ``volume`` [m^3] below ``state``."""
@@ -122,23 +126,21 @@ class FreePatch:
 
         It is that of the sheet at ``nodes`` (n, 3) [m], as far as they lie in the shell.
         """
-        s = self.settings
-        distance = np.linalg.norm(nodes, axis=1)[:, None]
-        nodes = nodes * np.minimum(1.0, self.radius / np.maximum(distance, 1e-30))
+        s, tank, polyhedron = self.settings, self.shell, self.shell.scaled(self.size)
+        nodes = tank.confine(nodes)
         free = self._search.free_part(nodes, dt)
         edge = free.edge(self._azimuth)
         moulded = free.directions(self._reach * edge, self._azimuth)
         weights = self._weights(moulded, nodes)
         points = weights @ nodes
+        points[self._rim] = polyhedron.project(points[self._rim])
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
-        points[self._rim] = self.size * self.radius * rim
         weights[self._rim] = 0.0
         self._round(points, weights)
         depth = np.minimum(s.film, s.wedge * (1.0 - self._reach) * edge)
-        most = (1.0 - depth) * self.radius / np.linalg.norm(points, axis=1)
-        points[~self.mesh.rim] *= np.minimum(1.0, most)[~self.mesh.rim, None]
-        centre = liquid_cg(nodes, self._triangles, self.radius, state.volume) / self.radius
-        shell = self._arcs.points(centre - [0.0, 0.0, s.low], rim, self.size * self.radius)
+        points = np.where(self.mesh.rim[:, None], points, tank.confine(points, depth))
+        centre = liquid_cg(nodes, self._triangles, tank, state.volume) / tank.size
+        shell = polyhedron.on_rays(self._arcs.directions(centre - [0.0, 0.0, s.low], rim))
         faces = moulded[self.mesh.patch_faces].mean(axis=1)
         self.map = PatchMap(
             shell=shell,

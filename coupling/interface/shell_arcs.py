@@ -21,8 +21,8 @@ class ShellArcs:
         self._rim_azimuth = rim_azimuth
         self.below = below_rim(mesh)[rim]
 
-    def points(self, middle: Array, rim: Array, radius: float) -> Array:
-        """Return the shell's points, on arcs from the pool's middle to its rim.
+    def directions(self, middle: Array, rim: Array) -> Array:
+        """Return the directions of the shell's points, on arcs from the pool's middle to its rim.
 
         Parameters
         ----------
@@ -30,13 +30,11 @@ class ShellArcs:
             Vector towards the pool's middle (3,), of any length.
         rim
             Unit vectors to the points on the rim (r, 3), ordered as the mesh's.
-        radius
-            Radius of the sphere that the points lie on [m].
 
         Returns
         -------
         Array
-            Points (s, 3) [m].
+            Unit vectors (s, 3).
         """
         azimuth = self._rim_azimuth
         turn = np.concatenate([azimuth[-1:] - 2 * np.pi, azimuth, azimuth[:1] + 2 * np.pi])
@@ -47,7 +45,7 @@ class ShellArcs:
         arc = np.arccos(np.clip(end @ middle, -1.0, 1.0))
         reach, arc = shell_shares(self._reach, arc)[:, None], arc[:, None]
         wall = np.sin((1.0 - reach) * arc) * middle + np.sin(reach * arc) * end
-        return np.asarray(radius * wall / np.sin(arc))
+        return np.asarray(wall / np.sin(arc))
 
 
 def below_rim(mesh: LiquidMesh) -> Ints:

@@ -22,12 +22,12 @@ def compare(
     summary: Mapping[str, Any],
     reference: Results,
     reference_summary: Mapping[str, Any],
-    radius: float,
+    size: float,
 ) -> Errors:
     """Errors of a run against ``reference``, all of them positive.
 
     ``shape_rms``: distance between equal material points, the nodes of ``reference``, rms over the
-    surface and the common instants, over ``radius``; sliding along the surface counts.
+    surface and the common instants, over the shell's ``size`` [m]; sliding on the surface counts.
     ``pressure_rms``: rms difference of the net pressure there over its rms. Where the meshes
     differ, values come from ``material_interpolation``, which adds an error of O(h^2). Both are
     None where no instant is common. ``cg_amplitude`` and ``force_amplitude`` are relative,
@@ -36,7 +36,7 @@ def compare(
     """
     shape, pressure = _fields(results, reference)
     return {
-        "shape_rms": None if shape is None else shape / radius,
+        "shape_rms": None if shape is None else shape / size,
         "cg_amplitude": _relative(summary, reference_summary, "cg", "amplitude_m"),
         "cg_phase_deg": _phase(summary["cg"], reference_summary["cg"]),
         "force_amplitude": _relative(summary, reference_summary, "force", "amplitude_N"),

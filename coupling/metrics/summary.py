@@ -191,7 +191,7 @@ def _imbalance(fits: dict[str, Harmonic], scene: Scene) -> float | None:
 def _bernoulli(
     results: Results, statistics: RunStatistics, scene: Scene, fits: dict[str, Harmonic]
 ) -> dict[str, float | None]:
-    gravity, radius = np.array(scene.gravity), scene.tank.radius
+    gravity, radius = np.array(scene.gravity), scene.tank.shell.size
     body_force = bernoulli.effective_gravity(gravity, results.tank_acceleration)
     if fits:
         momentum = neglected_momentum(fits["cg"].coefficient, fits["displacement"].coefficient)

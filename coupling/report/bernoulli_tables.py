@@ -17,7 +17,7 @@ def bernoulli_table(run: RunFiles) -> Table:
     if scene.frequency is not None:
         estimate = thesis_estimates(
             body_force=effective_gravity(np.array(scene.gravity), run.results.tank_acceleration),
-            radius=scene.tank.radius,
+            radius=scene.tank.shell.size,
             frequency=scene.frequency,
         )
         rows += [

@@ -17,7 +17,6 @@ import numpy.typing as npt
 from matplotlib import colormaps
 
 from coupling.fluids import ASSUMED, FLUIDS
-from coupling.interface.liquid_shape import level_of_fill_fraction
 from coupling.ports import Array
 from coupling.report.files import RunFiles
 from coupling.report.instants import views
@@ -75,7 +74,7 @@ def _worth_comparing(run: RunFiles) -> int:
 
 def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str, str]]) -> str:
     """JSON of the last period of ``runs``, at the instants of ``timed``."""
-    results, scene = timed.results, timed.scene
+    results, scene, shell = timed.results, timed.scene, timed.scene.tank.shell
     rows = last_period_rows(results, _affordable(runs))
     pull = np.array(scene.gravity) - results.tank_acceleration[rows]
     axis = int(np.argmax(np.ptp(results.tank_displacement, axis=0)))
@@ -87,10 +86,10 @@ def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str
         "tank": {
             "axis": "xyz"[axis],
             "displacement": _rounded(results.tank_displacement[rows, axis]),
-            "radius": scene.tank.radius,
+            "radius": shell.size,
         },
         "pull": _rounded(pull / np.maximum(np.linalg.norm(pull, axis=1), 1e-300)[:, None]),
-        "level": level_of_fill_fraction(scene.liquid.fill_fraction) - 1.0,
+        "level": shell.level_of(scene.liquid_volume, np.array([0.0, 0.0, 1.0])) / shell.size,
         "camera": {"azimuth": azimuth, "elevation": elevation},
         "colours": {"diverging": _colours(DIVERGING), "sequential": _colours(SEQUENTIAL)},
     }

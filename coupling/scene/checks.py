@@ -40,7 +40,7 @@ def problems_between(scene: Scene) -> list[str]:
 
 def _check_shape(scene: Scene) -> list[str]:
     problems = []
-    thickest = THICKNESS_OVER_RADIUS * scene.tank.radius
+    thickest = THICKNESS_OVER_RADIUS * scene.tank.shell.size
     thinnest, thickness = scene.diaphragm.thickness_range
     if thinnest < LEAST:
         problems.append(
@@ -93,6 +93,11 @@ def _check_grid(scene: Scene) -> list[str]:
         problems.append(
             f'cloth.grid: "thesis" needs model.fluid = {names}, got "{scene.model.fluid}". '
             'Take cloth.grid = "rings" for a liquid that keeps its volume.'
+        )
+    if scene.tank.shape != "sphere":
+        problems.append(
+            f'tank.shape: must be "sphere" for cloth.grid = "thesis", got "{scene.tank.shape}". '
+            'Take cloth.grid = "rings" for another shape.'
         )
     if scene.cloth.resolution % 2:
         problems.append(
@@ -150,11 +155,11 @@ def _check_losses(scene: Scene) -> list[str]:
 
 def _check_wrinkling(scene: Scene) -> list[str]:
     """Whether the grid is fine enough for the wrinkles that it is asked to resolve."""
-    cloth, radius = scene.cloth, scene.tank.radius
+    cloth, length = scene.cloth, scene.tank.mould.length
     if cloth.wrinkling != "resolved" or cloth.grid == "thesis":
         return []
     wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
-    needed = rings_to_resolve(radius, wavelength)
+    needed = rings_to_resolve(length, wavelength)
     if cloth.resolution >= needed:
         return []
     finer = f"Give cloth.resolution = {needed} or more, or take"
@@ -162,7 +167,7 @@ def _check_wrinkling(scene: Scene) -> list[str]:
     return [
         f'cloth.wrinkling: "resolved" needs {CELLS_A_WAVELENGTH} spacings to the elasto-gravity '
         f"wavelength of {wavelength:.4g} m, so {needed} rings; got {cloth.resolution} rings, "
-        f'{grid_spacing(radius, cloth):.4g} m apart. {mend} cloth.wrinkling = "relaxed".'
+        f'{grid_spacing(length, cloth):.4g} m apart. {mend} cloth.wrinkling = "relaxed".'
     ]
 
 

@@ -22,8 +22,9 @@ from coupling.scene.diaphragm import Diaphragm
 from coupling.scene.errors import SceneError, problems_of
 from coupling.scene.numerics import Cloth, Coupling, OpenFoam, Potential, Time
 from coupling.scene.periods import in_seconds
-from coupling.scene.sections import Liquid, Model, Motion, Section, Tank, Vector
+from coupling.scene.sections import Liquid, Model, Motion, Section, Vector
 from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
+from coupling.scene.tank import Tank
 
 __all__ = [
     "SCENE_FILE",

@@ -58,17 +58,6 @@ class Section(BaseModel):
         return value
 
 
-class Tank(Section):
-    """The rigid spherical shell, centred on the origin of the tank frame."""
-
-    radius: float = Field(gt=0, description="tank's inner radius [m]")
-
-    @property
-    def volume(self) -> float:
-        """Of the whole sphere [m^3]."""
-        return 4.0 / 3.0 * float(np.pi) * self.radius**3
-
-
 class Liquid(Section):
     """The liquid below the diaphragm: by ``name``, by numbers, or a name with numbers changed."""
 

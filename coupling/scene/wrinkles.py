@@ -36,12 +36,15 @@ def shortest_wavelength(diaphragm: Diaphragm, liquid: Liquid, gravity: Array) ->
     )
 
 
-def grid_spacing(radius: float, cloth: Cloth) -> float:
-    """pi R/2 over the rings of a tank of ``radius`` [m]: from ring to ring [m]."""
-    return 0.5 * math.pi * radius / cloth.rings
+def grid_spacing(length: float, cloth: Cloth) -> float:
+    """From ring to ring [m] of a sheet whose moulded meridian has this ``length`` [m]."""
+    return length / cloth.rings
 
 
-def rings_to_resolve(radius: float, wavelength: float) -> int:
-    """Least rings with ``CELLS_A_WAVELENGTH`` spacings to a ``wavelength`` [m]."""
-    rings = CELLS_A_WAVELENGTH * 0.5 * math.pi * radius / wavelength
+def rings_to_resolve(length: float, wavelength: float) -> int:
+    """Least rings with ``CELLS_A_WAVELENGTH`` spacings to a ``wavelength`` [m].
+
+    ``length`` [m]: of the sheet's moulded meridian.
+    """
+    rings = CELLS_A_WAVELENGTH * length / wavelength
     return math.ceil(rings * (1.0 - 1e-12))

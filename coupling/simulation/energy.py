@@ -191,7 +191,7 @@ def instant_of(
     ``losses``: the cloth's, means over the step that ends here; ``acceleration`` (3,) [m/s^2] of
     the tank, as ``Instant`` has it.
     """
-    cg = liquid_cg(state.position, cloth.triangles, scene.tank.radius, state.volume)
+    cg = liquid_cg(state.position, cloth.triangles, scene.tank.shell, state.volume)
     return Instant(
         acceleration=acceleration,
         moment=np.array([scene.liquid.density * state.volume * cg, cloth.mass @ state.position]),

@@ -144,7 +144,7 @@ class Participants:
         if liquid is not None:
             pressures = at_nodes(liquid, self.step.to_nodes)
         return sample_at(
-            time, state=state, triangles=self.cloth.triangles, radius=self.scene.tank.radius,
+            time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
             displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,

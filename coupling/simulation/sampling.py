@@ -9,7 +9,7 @@ import numpy as np
 
 from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.bernoulli import node_areas, weighted_rms
-from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, LiquidSample
+from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, LiquidSample, Shell
 from coupling.store.run_record import Sample
 
 
@@ -42,7 +42,7 @@ def sample_at(
     *,
     state: DiaphragmState,
     triangles: Ints,
-    radius: float,
+    shell: Shell,
     load: HydrostaticLoad,
     acceleration: Array,
     displacement: Array,
@@ -87,7 +87,7 @@ def sample_at(
         The results, in the shapes and units given there.
     """
     weight = load.density * load.body_force * state.volume
-    cg = liquid_cg(state.position, triangles, radius, state.volume)
+    cg = liquid_cg(state.position, triangles, shell, state.volume)
     force, moment = weight, np.cross(cg, weight)
     if flow is not None:
         force = force + flow.wall_pressure_force

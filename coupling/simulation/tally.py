@@ -61,7 +61,7 @@ class Tally:
             self._unconverged(
                 time,
                 f"t = {time:.6g} s: the diaphragm's solver left {state.change:.1e} m of motion "
-                f"(tolerance {self.scene.cloth.tolerance * self.scene.tank.radius:.1e} m), or "
+                f"(tolerance {self.scene.cloth.tolerance * self.scene.tank.shell.size:.1e} m), or "
                 "parts of the sheet in each other.",
                 f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
             )

@@ -11,7 +11,7 @@ import numpy as np
 
 from cloth.energy import SheetEnergy, SheetLosses
 from cloth.load import Settings
-from cloth.mesh import hemisphere
+from cloth.mesh import moulded
 from cloth.settle import settle
 from cloth.shell.sphere import Sphere
 from cloth.step import Cloth
@@ -74,23 +74,25 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
     has changed since the scene was read and is now wrong.
     The thesis' own steps are of 1 ms, or of ``time.step`` if that is shorter.
     """
-    cloth, radius = scene.cloth, scene.tank.radius
+    cloth, shell = scene.cloth, scene.tank.shell
     if cloth.grid == "thesis":
+        assert isinstance(shell, Sphere), "the scene's checks see to it"
         return ThesisSheet(
-            grid=thesis_grid(radius, cloth.resolution),
+            grid=thesis_grid(shell.radius, cloth.resolution),
             diaphragm=scene.diaphragm.sheet,
-            shell=Sphere(radius),
+            shell=shell,
             step=min(STEP, scene.time.step),
         )
     gravity = float(np.linalg.norm(scene.gravity))
-    swing = float(np.sqrt(radius / gravity))  # [s]
-    area = scene.liquid.density * radius**2  # [kg/m]
-    mesh, ridges = hemisphere(radius, cloth.resolution), scene.diaphragm.moulded_thickness
+    swing = float(np.sqrt(shell.size / gravity))  # [s]
+    area = scene.liquid.density * shell.size**2  # [kg/m]
+    mesh, ridges = moulded(scene.tank.mould, cloth.resolution), scene.diaphragm.moulded_thickness
+    places = scene.tank.mould.directions(mesh.points[mesh.triangles].mean(axis=1))
     return Cloth(
         mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
-        thickness=None if ridges is None else ridges.at(mesh.points[mesh.triangles].mean(axis=1)),
-        shell=Sphere(radius),
+        thickness=None if ridges is None else ridges.at(places),
+        shell=shell,
         tensile_stiffness=cloth.stiffness * area * largest_body_force(scene)
         if scene.diaphragm.inextensible
         else None,
@@ -117,10 +119,10 @@ def _relaxed(scene: Scene) -> float:
     """
     weight = scene.liquid.density * float(np.linalg.norm(scene.gravity))  # [N/m^3]
     bending = scene.diaphragm.sheet.bending_stiffness
-    shortest = math.pi / grid_spacing(scene.tank.radius, scene.cloth)
+    shortest = math.pi / grid_spacing(scene.tank.mould.length, scene.cloth)
     square = min(math.sqrt(weight / bending), shortest**2)
     buckling = bending * square + weight / square
-    return min(COMPRESSIVE * weight * scene.tank.radius**2, BUCKLING * buckling)
+    return min(COMPRESSIVE * weight * scene.tank.shell.size**2, BUCKLING * buckling)
 
 
 def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> float | None:

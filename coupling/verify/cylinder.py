@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import jnp_zeros, jv
 from threadpoolctl import threadpool_limits
 
+from cloth.shell.sphere import Sphere
 from coupling.finite_volume.geometry import fan_volume
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.fluids.openfoam.flow import OpenFoamFlow
@@ -134,8 +135,8 @@ class Tank:
         """
         mesh = prism_mesh(cells, self.depth)
         flow = OpenFoamFlow(
-            folder, mesh, openfoam=find_openfoam(keep_alive=True), radius=RADIUS, density=DENSITY,
-            viscosity=1e-6, timeout=120.0,
+            folder, mesh, openfoam=find_openfoam(keep_alive=True), shell=Sphere(RADIUS),
+            density=DENSITY, viscosity=1e-6, timeout=120.0,
         )  # fmt: skip
         top, shell = (
             RADIUS * mesh.points[mesh.patch_points],

@@ -9,6 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
+from cloth.shell.sphere import Sphere
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.openfoam.flow import OpenFoamFlow
@@ -92,7 +93,7 @@ def _shaken(folder: Path, step: float, cells: int) -> dict[str, float]:
     """``imbalance`` and ``imbalance_of_cells`` of a free surface on OpenFOAM's liquid."""
     flow = OpenFoamFlow(
         folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True),
-        radius=RADIUS, density=DENSITY, viscosity=1e-6, timeout=120.0,
+        shell=Sphere(RADIUS), density=DENSITY, viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     with closing(flow):
         force, centre, flow_momentum, mass = _recorded(flow, step)

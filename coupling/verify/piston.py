@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from cloth.shell.sphere import Sphere
 from coupling.finite_volume.mesh import LiquidMesh, assemble
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.installation import find_openfoam
@@ -79,8 +80,8 @@ def _release(
     """Places (T,) [m] after the release from rest; iterations and first residual of each step."""
     mesh = column_mesh(cells)
     flow = OpenFoamFlow(
-        folder, mesh, openfoam=find_openfoam(), radius=LENGTH, density=DENSITY, viscosity=1e-12,
-        timeout=60.0,
+        folder, mesh, openfoam=find_openfoam(), shell=Sphere(LENGTH), density=DENSITY,
+        viscosity=1e-12, timeout=60.0,
     )  # fmt: skip
     points = LENGTH * mesh.points
     flow.start(points[mesh.patch_points], points[mesh.shell_points], WIDTH**2 * LENGTH)

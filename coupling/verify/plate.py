@@ -17,9 +17,10 @@ from cloth.bending import bending_of
 from cloth.flat import disc
 from cloth.material import Diaphragm, diaphragm
 from cloth.mesh import Mesh, lumped
+from cloth.shell.sphere import Sphere
 from coupling.estimate.sloshing_modes import surface_inertia
 from coupling.fluids.potential.harmonics import SolidHarmonics
-from coupling.fluids.potential.ritz import RitzLiquid, lower_hemisphere
+from coupling.fluids.potential.ritz import RitzLiquid, wall_integral
 from coupling.ports import Array
 from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.sheets import within
@@ -124,7 +125,7 @@ def sheet_frequency(rubber: Diaphragm, rim: str, rings: int, degree: int) -> flo
     liquid = RitzLiquid(
         triangles=mesh.triangles,
         harmonics=harmonics,
-        wall=lower_hemisphere(harmonics),
+        wall=wall_integral(harmonics, *Sphere(RADIUS).quadrature(degree)),
         density=DENSITY,
     )
     rows = liquid.at(mesh.points).rows()[:, free, 2]

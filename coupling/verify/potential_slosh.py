@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from cloth.shell.sphere import Sphere
 from coupling.fluids.potential.harmonics import SolidHarmonics
-from coupling.fluids.potential.ritz import RitzLiquid, cap_samples, wall_integral
+from coupling.fluids.potential.ritz import RitzLiquid, wall_integral
 from coupling.ports import Array, HydrostaticLoad
 from coupling.verify.disc import disc_grid
 from coupling.verify.free_surface import FreeSurface
@@ -30,7 +31,7 @@ def level_liquid(
     path[:, 2] = 1.0
     surface = FreeSurface(points, quads, path, mass=1e-3, density=density, gravity=gravity)
     harmonics = SolidHarmonics(degree, radius)
-    wall = wall_integral(harmonics, *cap_samples(harmonics, level - 1))
+    wall = wall_integral(harmonics, *Sphere(radius).quadrature(degree, radius * (level - 1)))
     liquid = RitzLiquid(
         triangles=surface.triangles, harmonics=harmonics, wall=wall, density=density
     )

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from scipy.special import jnp_zeros, jv
 from threadpoolctl import threadpool_limits
 
+from cloth.shell.sphere import Sphere
 from coupling.estimate.sloshing_modes import lateral_eigenvalue
 from coupling.finite_volume.geometry import fan_volume
 from coupling.finite_volume.mesh import LiquidMesh, half_ball, shell_shares
@@ -130,7 +131,7 @@ def _release(
     """Times (T,) [s] and the first moment of the heights (T,) after the release from rest."""
     flow = OpenFoamFlow(
         folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True),
-        radius=RADIUS, density=DENSITY, viscosity=1e-6, timeout=120.0,
+        shell=Sphere(RADIUS), density=DENSITY, viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     level_patch, shell, path = level_shape(flow.mesh, level - 1.0)
     surface = FreeSurface(

@@ -41,11 +41,11 @@ from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import hemisphere
 from cloth.settle import settle
-from cloth.shell.sphere import Sphere
+from cloth.shell.sphere import Sphere, level_of_fill_fraction
 from cloth.step import Cloth
 from cloth.thesis.grid import thesis_grid
 from cloth.thesis.sheet import ThesisSheet
-from coupling.interface.liquid_shape import level_of_fill_fraction, liquid_cg
+from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.harmonic import first_harmonic, last_whole_periods
 from coupling.ports import Array, HydrostaticLoad
 from coupling.scene.numerics import Cloth as ClothSection
@@ -121,9 +121,9 @@ def shaken(cloth: Cloth | ThesisSheet, loads: Loads, step: float, seconds: float
         path.append(state.position)
         strain.append(np.maximum(state.strain, 0.0))
         volume.append(state.volume)
-    times = step * np.arange(1, steps + 1)
+    times, shell = step * np.arange(1, steps + 1), Sphere(RADIUS)
     cg = np.array(
-        [liquid_cg(x, cloth.triangles, RADIUS, v) for x, v in zip(path, volume, strict=True)]
+        [liquid_cg(x, cloth.triangles, shell, v) for x, v in zip(path, volume, strict=True)]
     )
     chosen, periods = last_whole_periods(times, FREQUENCY, start=1.0 / FREQUENCY)
     swing = first_harmonic(times[chosen], cg[chosen], FREQUENCY, periods=periods)

@@ -12,6 +12,7 @@ from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
 from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
 
 from cloth.inertia import kinematics
+from cloth.shell.sphere import Sphere
 from coupling.finite_volume.geometry import cell_geometry, fan_volume, non_orthogonality
 from coupling.finite_volume.gradients import wall_distance
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
@@ -31,7 +32,7 @@ def flow_at_rest(folder, cells, viscosity=1e-6, openfoam=None):
     """A flow below a dome, written to ``folder``."""
     mesh = half_ball(cells)
     flow = OpenFoamFlow(
-        folder, mesh, openfoam=openfoam or find_openfoam(), radius=RADIUS, density=DENSITY,
+        folder, mesh, openfoam=openfoam or find_openfoam(), shell=Sphere(RADIUS), density=DENSITY,
         viscosity=viscosity, timeout=60.0,
     )  # fmt: skip
     points = RADIUS * mesh.points

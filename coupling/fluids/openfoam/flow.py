@@ -22,14 +22,14 @@ from coupling.fluids.openfoam.flow_step import FlowSettings, FlowSolution, FlowS
 from coupling.fluids.openfoam.sample import flow_sample
 from coupling.foam.keepalive import case_of
 from coupling.foam.process import OpenFoam
-from coupling.ports import AnyArray, Array, FlowSample, Ints, RunFailed
+from coupling.ports import AnyArray, Array, FlowSample, Ints, RunFailed, Shell
 
 
 class OpenFoamFlow:
     """The liquid on a mesh, in an OpenFOAM case in ``folder``.
 
-    ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``radius`` [m] of the shell, ``timeout`` [s] of
-    one solver call. Nothing is written before ``start`` or ``restore``.
+    ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``timeout`` [s] of one solver call; the tank's
+    ``shell``. Nothing is written before ``start`` or ``restore``.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class OpenFoamFlow:
         mesh: LiquidMesh,
         *,
         openfoam: OpenFoam,
-        radius: float,
+        shell: Shell,
         density: float,
         viscosity: float,
         timeout: float,
@@ -49,7 +49,7 @@ class OpenFoamFlow:
         self.case = case_of(folder, mesh, openfoam=openfoam, timeout=timeout)
         self.density, self.viscosity = density, viscosity
         self.faces: Ints = mesh.patch_faces
-        self._following = FollowingMesh(mesh, radius)
+        self._following = FollowingMesh(mesh, shell)
         self._initial = self._following.patch, self._following.shell  # at rest
         self._moving, self._sliding = self._rates()
         self._pressure_before = np.zeros(len(self.faces))  # p* on them a step ago [Pa]
@@ -87,7 +87,7 @@ class OpenFoamFlow:
     def start(self, patch: Array, shell: Array, volume: float) -> None:
         """Write the case for a liquid at rest below the diaphragm.
 
-        A common factor takes the shell's points off the sphere until the mesh, an inscribed
+        A common factor takes the shell's points off its surface until the mesh, an inscribed
         polyhedron, holds the liquid's volume.
 
         Parameters

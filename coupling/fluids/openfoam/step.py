@@ -34,8 +34,9 @@ _log = logging.getLogger(__name__)
 
 def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow, FreePatch]:
     """The flow below the settled ``cloth``, not yet started, and its map to the cloth."""
-    radius, mesh = scene.tank.radius, half_ball(scene.openfoam.cells)
-    mapping = FreePatch(mesh, cloth, radius=radius)
+    shell, mesh = scene.tank.shell, half_ball(scene.openfoam.cells)
+    moulded = scene.tank.mould.directions(cloth.reference)
+    mapping = FreePatch(mesh, cloth, shell=shell, moulded=moulded)
     mapping.fit(cloth.state, scene.liquid_volume)
     flow = OpenFoamFlow(
         folder,
@@ -45,7 +46,7 @@ def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow,
             keep_alive=scene.openfoam.keep_alive,
             processors=scene.openfoam.processors,
         ),
-        radius=radius,
+        shell=shell,
         density=scene.liquid.density,
         viscosity=scene.liquid.viscosity,
         timeout=scene.openfoam.timeout,

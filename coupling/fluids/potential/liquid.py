@@ -16,29 +16,29 @@ from coupling.fluids.potential.ritz import (
     RitzLiquid,
     RitzShape,
     bernoulli,
-    hemisphere_samples,
-    lower_hemisphere,
+    wall_integral,
 )
 from coupling.interface.contact_curve import ContactSettings
-from coupling.ports import Array, Ints, LiquidSample
+from coupling.ports import Array, Ints, LiquidSample, Shell
 
 
 class PotentialLiquid:
-    """Liquid of ``density`` [kg/m^3] between a shell of ``radius`` [m] and ``triangles`` (m, 3).
+    """Liquid of ``density`` [kg/m^3] between a ``shell`` and ``triangles`` (m, 3).
 
     The triangles, over ``nodes`` points, are counter-clockwise seen from the gas, their border on
-    the shell's equator. ``degree`` of the polynomials: 6 is 48 unknowns.
+    the shell's rim. ``degree`` of the polynomials: 6 is 48 unknowns.
     """
 
     def __init__(
-        self, triangles: Ints, nodes: int, *, radius: float, degree: int, density: float
+        self, triangles: Ints, nodes: int, *, shell: Shell, degree: int, density: float
     ) -> None:
-        harmonics = SolidHarmonics(degree, radius)
+        harmonics = SolidHarmonics(degree, shell.size)
+        points, self._shell_area = shell.quadrature(degree)
+        self.shell = shell
         self.ritz = RitzLiquid(
-            triangles=triangles, harmonics=harmonics, wall=lower_hemisphere(harmonics),
-            density=density,
+            triangles=triangles, harmonics=harmonics,
+            wall=wall_integral(harmonics, points, self._shell_area), density=density,
         )  # fmt: skip
-        points, self._shell_area = hemisphere_samples(harmonics)
         self._shell_values = harmonics.values(points)
         self._corners = triangles.ravel(), np.repeat(np.arange(len(triangles)), 3)
         self._shape = nodes, len(triangles)
@@ -103,8 +103,8 @@ class PotentialLiquid:
 
     def _free(self, points: Array) -> NDArray[np.bool_]:
         """Triangles (m,) that are off the shell, all of them where none is."""
-        gap = 1.0 - np.linalg.norm(points, axis=1) / self.ritz.harmonics.radius
-        free = (gap > ContactSettings().reach)[self.ritz.triangles].any(axis=1)
+        reach = ContactSettings().reach * self.shell.size
+        free = (self.shell.gap(points) > reach)[self.ritz.triangles].any(axis=1)
         return np.asarray(free if free.any() else ~free)
 
     def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:

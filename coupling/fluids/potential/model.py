@@ -39,11 +39,11 @@ class PotentialModel(FluidModel):
         liquid = PotentialLiquid(
             cloth.triangles,
             len(cloth.reference),
-            radius=scene.tank.radius,
+            shell=scene.tank.shell,
             degree=scene.potential.degree,
             density=scene.liquid.density,
         )
-        return PotentialStep(cloth, liquid, radius=scene.tank.radius)
+        return PotentialStep(cloth, liquid)
 
     def step_cost(self, scene: Scene, iteration: float) -> float:
         """Return the CPU time [s] of the cloth's step, and a share that grows with it."""

@@ -37,7 +37,7 @@ class RitzLiquid:
     """Liquid of ``density`` [kg/m^3] between ``triangles`` (m, 3) and fixed walls.
 
     The triangles are counter-clockwise seen from outside the liquid. ``wall`` (k, k) [m]: the fixed
-    walls' share of int grad H_i . grad H_j dV, see ``wall_integral`` and ``lower_hemisphere``.
+    walls' share of int grad H_i . grad H_j dV, see ``wall_integral``.
     """
 
     triangles: Ints
@@ -186,34 +186,6 @@ def wall_integral(harmonics: SolidHarmonics, points: Array, area: Array) -> Arra
         Symmetric matrix (k, k) [m].
     """
     return cone_integral(harmonics.values(points), np.sum(points * area, axis=1), harmonics)
-
-
-def cap_samples(harmonics: SolidHarmonics, level: float) -> tuple[Array, Array]:
-    """Points (N, 3) [m] on the shell below z = ``level`` radii and their area vectors (N, 3) [m^2].
-
-    Exact for products of two of the harmonics: Gauss's points in height, even ones around.
-    """
-    count = harmonics.degree + 1
-    node, weight = np.polynomial.legendre.leggauss(count)
-    height, weight = 0.5 * (level - 1.0) + 0.5 * (level + 1.0) * node, 0.5 * (level + 1.0) * weight
-    angle = np.pi * np.arange(2 * count) / count
-    across = np.sqrt(1.0 - height**2)[:, None]
-    normal = np.empty((count, 2 * count, 3))
-    normal[..., 0], normal[..., 1] = across * np.cos(angle), across * np.sin(angle)
-    normal[..., 2] = height[:, None]
-    outward: Array = normal.reshape(-1, 3)
-    size = np.repeat(weight * np.pi / count, 2 * count) * harmonics.radius**2
-    return harmonics.radius * outward, size[:, None] * outward
-
-
-def hemisphere_samples(harmonics: SolidHarmonics) -> tuple[Array, Array]:
-    """``cap_samples`` of the shell below the equator."""
-    return cap_samples(harmonics, 0.0)
-
-
-def lower_hemisphere(harmonics: SolidHarmonics) -> Array:
-    """``cone_integral`` of the shell below the equator."""
-    return wall_integral(harmonics, *hemisphere_samples(harmonics))
 
 
 @compiled

@@ -49,7 +49,7 @@ class PotentialSettings:
 
 
 class PotentialStep:
-    """Steps ``structure`` on ``liquid`` in a shell of ``radius`` [m].
+    """Steps ``structure`` on ``liquid``, both in the liquid's shell.
 
     ``backward`` in time, as the structure: dphi/dt at fixed places is the same formula for the
     polynomial's coefficients. In a step's shape x* they follow from the nodes' velocities, c = A v,
@@ -69,12 +69,10 @@ class PotentialStep:
         structure: IterativeStructure,
         liquid: PotentialLiquid,
         *,
-        radius: float,
         settings: PotentialSettings | None = None,
     ) -> None:
         self.settings = settings or PotentialSettings()
         self.structure, self.liquid = structure, liquid
-        self.radius = radius
         self._seconds = dict.fromkeys(("structure", "fluid"), 0.0)
         self._shapes, self._residual = 0, 0.0
         self._samples: list[LiquidSample] = []  # of the parts since the last report
@@ -111,7 +109,7 @@ class PotentialStep:
         c, before = now["coefficient"], now["previous_coefficient"]
         anchor = kinematics(dt, previous, c, c, before, before).position_anchor
         expected = c + (c - before) * (dt / previous if previous > 0.0 else 0.0)
-        points = self._in_shell(now["position"] + dt * now["velocity"])
+        points = self.liquid.shell.confine(now["position"] + dt * now["velocity"])
         for last in (False, True):
             with self._timed("fluid"):
                 shape = self.liquid.at(points)
@@ -123,7 +121,7 @@ class PotentialStep:
                 end = self.structure.solve(force)
             self._shapes += 1
             missed = np.mean(np.sum((end - points) ** 2, axis=1))
-            self._residual = float(np.sqrt(missed)) / self.radius
+            self._residual = float(np.sqrt(missed)) / self.liquid.shell.size
             if last or self._residual <= self.settings.shape:
                 break
             points = end
@@ -154,10 +152,6 @@ class PotentialStep:
         shape = self.liquid.at(self._now["position"])
         for name in ("", "previous_"):
             self._now[f"{name}coefficient"] = shape.potential(self._now[f"{name}velocity"])
-
-    def _in_shell(self, points: Array) -> Array:
-        distance = np.linalg.norm(points, axis=1, keepdims=True)
-        return np.asarray(points * np.minimum(1.0, self.radius / np.maximum(distance, 1e-300)))
 
     @contextmanager
     def _timed(self, part: str) -> Iterator[None]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from cloth.shell.sphere import fill_fraction_of_level, level_of_fill_fraction
 from coupling.estimate.numbers import (
     added_mass_ratio,
     bond_number,
@@ -15,7 +16,6 @@ from coupling.estimate.numbers import (
     weber_number,
 )
 from coupling.estimate.sloshing_modes import lateral_eigenvalue
-from coupling.interface.liquid_shape import fill_fraction_of_level, level_of_fill_fraction
 from coupling.scene.scene import Scene, scene_from
 from coupling.scene.wrinkles import elasto_gravity_wavelength, rings_to_resolve
 from coupling.verify import run_case

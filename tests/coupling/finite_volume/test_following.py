@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from cloth.shell.sphere import Sphere
 from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.mesh import half_ball
 from coupling.ports import Cause, RunFailed
@@ -12,7 +13,7 @@ from coupling.ports import Cause, RunFailed
 def following():
     """Half a ball below a level disc, one step begun."""
     mesh = half_ball(176)
-    following = FollowingMesh(mesh, 1.0)
+    following = FollowingMesh(mesh, Sphere(1.0))
     following.place(mesh.points[mesh.patch_points], mesh.points[mesh.shell_points])
     following.begin_step(None)
     return following

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from cloth.shell.sphere import Sphere
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.potential.harmonics import SolidHarmonics
-from coupling.fluids.potential.ritz import RitzLiquid, cap_samples, lower_hemisphere, wall_integral
+from coupling.fluids.potential.ritz import RitzLiquid, wall_integral
 from coupling.verify.cylinder import cylinder_samples
 
 DENSITY = 1000.0
@@ -35,7 +36,7 @@ def test_samples_of_a_cap_are_exact(level):
     rim = 0.4445 * np.sqrt(1 - level**2)
     points, area = bottom_of_cylinder(7, rim)
     points[:, 2] = level * 0.4445
-    assert_green(harmonics, cap_samples(harmonics, level), (points, -area))
+    assert_green(harmonics, Sphere(0.4445).quadrature(7, 0.4445 * level), (points, -area))
 
 
 @pytest.mark.parametrize("depth", [0.2, 3.0])
@@ -57,9 +58,8 @@ def liquid_below(mesh, degree):
     """The liquid in the unit ball below the diaphragm of ``mesh``."""
     harmonics, faces = SolidHarmonics(degree, 1.0), mesh.patch_faces
     triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
-    return RitzLiquid(
-        triangles=triangles, harmonics=harmonics, wall=lower_hemisphere(harmonics), density=DENSITY
-    )
+    wall = wall_integral(harmonics, *Sphere(1.0).quadrature(degree))
+    return RitzLiquid(triangles=triangles, harmonics=harmonics, wall=wall, density=DENSITY)
 
 
 def test_kinetic_energy_agrees_with_the_finite_volumes():

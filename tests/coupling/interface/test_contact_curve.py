@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cloth.mesh import hemisphere
+from cloth.shell.sphere import Sphere
 from coupling.interface.contact_curve import (
     ContactSearch,
     ContactSettings,
@@ -22,7 +23,7 @@ def sheet():
 
 
 def search(sheet):
-    return ContactSearch(sheet.points, sheet.triangles, sheet.fixed, RADIUS)
+    return ContactSearch(sheet.points / RADIUS, sheet.triangles, sheet.fixed, Sphere(RADIUS))
 
 
 def lying(sheet, edge, *, up):

@@ -6,17 +6,22 @@ import numpy as np
 import pytest
 
 from cloth.mesh import hemisphere
+from cloth.shell.sphere import Sphere, level_of_fill_fraction
 from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.geometry import face_centres_and_areas
 from coupling.finite_volume.mesh import half_ball
 from coupling.finite_volume.swept import cross, pressure_force, swept_gradient
 from coupling.interface.creases import give_way, least_sine
 from coupling.interface.free_patch import FreePatch, PatchSettings
-from coupling.interface.liquid_shape import level_of_fill_fraction
 
 RADIUS = 0.4445
-SHELL = 4 / 3 * np.pi * RADIUS**3
+SHELL = Sphere(RADIUS)
 FILLS = [0.1, 0.2, 0.3, 0.5, 0.8, 0.9, 0.95]
+
+
+def patch_map(mesh, sheet, settings=None) -> FreePatch:
+    moulded = sheet.reference / RADIUS
+    return FreePatch(mesh, sheet, shell=SHELL, moulded=moulded, settings=settings)
 
 
 def at_rest(sheet, fill):
@@ -33,7 +38,7 @@ def at_rest(sheet, fill):
     x[:, 2] = np.where(polar < edge, level, np.sign(level) * x[:, 2])
     x[sheet.fixed] = sheet.reference[sheet.fixed] / RADIUS
     still = np.zeros_like(x)
-    return SimpleNamespace(position=RADIUS * x, velocity=still, volume=fill * SHELL)
+    return SimpleNamespace(position=RADIUS * x, velocity=still, volume=fill * SHELL.volume)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +59,7 @@ def mesh():
 def fitted(request, sheet, mesh):
     """Map, state, patch and shell at a fill fraction."""
     state = at_rest(sheet, request.param)
-    mapping = FreePatch(mesh, sheet, radius=RADIUS)
+    mapping = patch_map(mesh, sheet)
     mapping.fit(state, state.volume)
     placed = mapping.begin_step(state, 0.0, state.position)
     return mapping, state, placed.to_flow(state.position), placed.shell
@@ -62,7 +67,7 @@ def fitted(request, sheet, mesh):
 
 def test_mesh_is_valid_at_every_fill(mesh, fitted):
     _, state, patch, shell = fitted
-    following = FollowingMesh(mesh, RADIUS)
+    following = FollowingMesh(mesh, SHELL)
     following.place(patch, shell)
     assert following.geometry.volume.min() > 0
     assert following.non_orthogonality_max < 65.0  # what OpenFOAM's own checkMesh calls no trouble
@@ -115,7 +120,7 @@ def test_a_uniform_pressure_bears_on_every_nodes_own_area(sheet, mesh, fitted):
 def test_a_wave_reaches_the_liquid_with_its_volume(sheet, mesh):
     """The lateral wave of a half full tank is highest at the shell, in the last row of faces."""
     state = at_rest(sheet, 0.5)
-    mapping = FreePatch(mesh, sheet, radius=RADIUS)
+    mapping = patch_map(mesh, sheet)
     mapping.fit(state, state.volume)
     placed = mapping.begin_step(state, 0.0, state.position)
     patch = placed.to_flow(state.position)
@@ -144,7 +149,7 @@ def test_nothing_slides_while_nothing_moves(mesh, fitted):
 
 def test_map_is_restored(sheet, mesh):
     state = at_rest(sheet, 0.3)
-    one, two = (FreePatch(mesh, sheet, radius=RADIUS) for _ in range(2))
+    one, two = (patch_map(mesh, sheet) for _ in range(2))
     for mapping in (one, two):
         mapping.fit(state, state.volume)
     state.velocity = state.position * (0.0, 0.5, 0.2)
@@ -160,9 +165,9 @@ def test_map_is_restored(sheet, mesh):
 def test_sliding_sweeps_little_and_closes(sheet, mesh):
     """The same sheet through another map: the patch's facets change, the liquid's volume not."""
     state = at_rest(sheet, 0.3)
-    mapping = FreePatch(mesh, sheet, radius=RADIUS)
+    mapping = patch_map(mesh, sheet)
     mapping.fit(state, state.volume)
-    following = FollowingMesh(mesh, RADIUS)
+    following = FollowingMesh(mesh, SHELL)
     placed = mapping.begin_step(state, 0.0, state.position)
     following.place(placed.to_flow(state.position), placed.shell)
     lifted = at_rest(sheet, 0.4)
@@ -190,9 +195,9 @@ def test_a_crease_is_rounded(sheet, mesh):
     state.position[:, 0] -= np.where(np.abs(x + 0.1) < 0.2, 0.9 * RADIUS * (x + 0.1) * inside, 0)
     skewed = []
     for settings in (PatchSettings(rounds=0), PatchSettings()):
-        mapping = FreePatch(mesh, sheet, radius=RADIUS, settings=settings)
+        mapping = patch_map(mesh, sheet, settings)
         mapping.fit(state, state.volume)
-        following = FollowingMesh(mesh, RADIUS)
+        following = FollowingMesh(mesh, SHELL)
         placed = mapping.begin_step(state, 0.0, state.position)
         following.place(placed.to_flow(state.position), placed.shell)
         skewed.append(following.non_orthogonality_max)
@@ -213,11 +218,11 @@ def test_least_sine_of_a_square_a_lozenge_and_a_dart():
 def test_a_patch_thrown_through_the_shell_stays_inside(sheet, mesh):
     """As by a map that goes on linearly in a slam: the row beside the rim, on one side."""
     state = at_rest(sheet, 0.8)
-    mapping = FreePatch(mesh, sheet, radius=RADIUS)
+    mapping = patch_map(mesh, sheet)
     mapping.fit(state, state.volume)
     placed = mapping.begin_step(state, 0.0, state.position)
     patch = placed.to_flow(state.position)
-    following = FollowingMesh(mesh, RADIUS)
+    following = FollowingMesh(mesh, SHELL)
     following.place(patch, placed.shell)
     following.begin_step(None)
     reach = np.linalg.norm(mesh.points[mesh.patch_points], axis=1)

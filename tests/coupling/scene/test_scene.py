@@ -209,7 +209,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
     [
         ("liquid.fill_fracton=0.5", "unknown key. Did you mean fill_fraction?"),
         ("tnak.radius=0.5", "unknown section. Did you mean tank?"),
-        ("tank.colour=3", "unknown key. Known here: radius."),
+        ("tank.colour=3", "unknown key. Known here: radius, shape."),
         ("tank=3", "must be a section [tank], got 3"),
         ("tank.radius=true", "must be a number, got true"),
         ("tank.radius=nan", "must be a finite number, got nan"),

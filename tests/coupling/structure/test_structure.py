@@ -8,6 +8,7 @@ import pytest
 from water_tank import GRAVITY, RADIUS, scene
 
 from cloth.mesh import hemisphere
+from cloth.shell.sphere import Sphere
 from cloth.thesis.sheet import ThesisSheet
 from coupling.fluids.datum import Datum
 from coupling.fluids.hydrostatic import Hydrostatic
@@ -25,7 +26,7 @@ def test_cg_of_a_full_ball_is_its_centre():
     for rings in (12, 24):
         cloth = hemisphere(RADIUS, rings)
         volume = 4 / 3 * np.pi * RADIUS**3
-        errors.append(abs(liquid_cg(cloth.points, cloth.triangles, RADIUS, volume)[2]))
+        errors.append(abs(liquid_cg(cloth.points, cloth.triangles, Sphere(RADIUS), volume)[2]))
     assert errors[1] < 0.3 * errors[0]  # the inscribed triangles miss O(h^2) of the upper half
     assert errors[1] < 0.002 * RADIUS
 
@@ -33,7 +34,7 @@ def test_cg_of_a_full_ball_is_its_centre():
 def test_cg_of_half_a_ball():
     cloth = hemisphere(RADIUS, 8)
     flat = cloth.points * [1, 1, 0]
-    cg = liquid_cg(flat, cloth.triangles, RADIUS, 2 / 3 * np.pi * RADIUS**3)
+    cg = liquid_cg(flat, cloth.triangles, Sphere(RADIUS), 2 / 3 * np.pi * RADIUS**3)
     np.testing.assert_allclose(cg, [0, 0, -3 / 8 * RADIUS], atol=1e-12)
 
 
