@@ -55,6 +55,11 @@ def best_fluid_model() -> str:
     return fluid_models()[-1]
 
 
+def tank_shapes() -> tuple[str, ...]:
+    """Names of all shapes of a tank."""
+    return registry_at("coupling.scene.shapes:SHAPES").names
+
+
 def schemes() -> tuple[str, ...]:
     """Names of all coupling schemes."""
     return registry_at("coupling.schemes:SCHEMES").names

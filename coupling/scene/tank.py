@@ -2,46 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Annotated, Protocol
 
-from pydantic import Field, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field
 
-from cloth.mould import Mould
-from cloth.shell.shell import Shell as ClothShell
-from cloth.shell.sphere import Sphere
 from coupling.ports import Shell
+from coupling.scene.choices import one_of, tank_shapes
 from coupling.scene.sections import Section
+from coupling.scene.shapes import SHAPES
 
+if TYPE_CHECKING:
+    from cloth.mould import Mould
+    from cloth.shell.shell import Shell as ClothShell
 
-class TankShell(Shell, ClothShell, Protocol):
-    """The shell as both sides of the interface ask of it, and the diaphragm's mould."""
+    class TankShell(Shell, ClothShell, Protocol):
+        """The shell as both sides of the interface ask of it, and the diaphragm's mould."""
 
-    def upper_part(self) -> Mould:
-        """The mould of a sheet that lies on the shell above the rim."""
-
-
-# Shapes by name; each takes the section. A new one is a file of ``cloth.shell`` and a line here.
-SHAPES: dict[str, Callable[[Tank], TankShell]] = {
-    "sphere": lambda tank: Sphere(tank.radius),
-}
+        def upper_part(self) -> Mould:
+            """The mould of a sheet that lies on the shell above the rim."""
 
 
 class Tank(Section):
-    """The rigid shell, the diaphragm's rim about the origin of the tank frame."""
+    """The rigid shell; the origin is the middle of the circle on which the rim is clamped."""
 
     radius: float = Field(gt=0, description="tank's inner radius [m]")
-    shape: str = Field(default="sphere", description='the tank\'s shape: "sphere"')
-
-    @field_validator("shape", mode="after")
-    @classmethod
-    def _is_known(cls, value: str) -> str:
-        if value not in SHAPES:
-            names = " or ".join(f'"{name}"' for name in SHAPES)
-            raise PydanticCustomError("unknown_shape", "must be {names}", {"names": names})
-        return value
+    shape: Annotated[str, one_of(tank_shapes)] = Field(
+        default="sphere", description='the tank\'s shape: "sphere"'
+    )
 
     @cached_property
     def shell(self) -> TankShell:

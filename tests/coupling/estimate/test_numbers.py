@@ -146,7 +146,7 @@ def test_what_the_grid_can_show_of_the_wrinkles():
     assert numbers_of(fine).rings_to_resolve == 41
     assert numbers_of(fine).wrinkling_allowed == "resolved"
     assert numbers_of(tank(cloth={"resolution": 40})).wrinkling_allowed == "relaxed"
-    assert rings_to_resolve(2.0 / np.pi, 0.5) == 20  # exactly ten to each
+    assert rings_to_resolve(1.0, 0.5) == 20  # exactly ten to each
 
 
 def test_the_thesis_grid_has_half_as_many_rings_as_nodes_across():

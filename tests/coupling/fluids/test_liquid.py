@@ -26,7 +26,7 @@ def test_load_model_follows_the_scene():
     datum = FLUIDS["datum"].load_model(scene())
     assert isinstance(datum, Datum)
     # Above the centre: 1/2 + 3h/4 - h^3/4 = 0.8 at h = 0.4257.
-    level = datum.load(GRAVITY).datum / (1000.0 * np.linalg.norm(GRAVITY))
+    level = datum.load(GRAVITY).datum / (datum.density * np.linalg.norm(GRAVITY))
     assert level / RADIUS == pytest.approx(0.42570, abs=1e-4)
     for fluid in ("hydrostatic", "openfoam"):
         model = FLUIDS[fluid].load_model(scene())
