@@ -336,11 +336,11 @@ def test_slip_counts_the_way_along_the_shell_of_pressed_nodes_only():
     """A quarter turn in small steps is a quarter of the circle; radial moves count nothing."""
     angle = np.linspace(0.0, 0.5 * math.pi, 91)
     way = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
-    total = np.zeros(2)
+    total, on, shell = np.zeros(2), np.array([True, False]), Sphere(1.0)
     for start, end in pairwise(way):
-        total += slid(np.stack([start, start]), np.stack([end, end]), np.array([True, False]))
+        total += slid(np.stack([start, start]), np.stack([end, end]), on, shell)
     np.testing.assert_allclose(total, [0.5 * math.pi, 0.0], rtol=(math.pi / 180.0) ** 2 / 24.0)
-    assert slid(way[:1], 0.9 * way[:1], np.array([True]))[0] == pytest.approx(0.0, abs=1e-15)
+    assert slid(way[:1], 0.9 * way[:1], on[:1], shell)[0] == pytest.approx(0.0, abs=1e-15)
 
 
 def test_sway_rubs_the_shell_and_settling_does_not_count(settled):

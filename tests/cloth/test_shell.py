@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shells import pill, sphere_of_arcs
 
+from cloth.mesh import moulded
 from cloth.node_kernels import contact_step
 from cloth.shell.meridian import Meridian
 from cloth.shell.pieces import arc, line
@@ -47,6 +48,57 @@ def test_a_sphere_of_arcs_is_the_sphere(points: np.ndarray, cuts: tuple[float, .
     np.testing.assert_allclose(arcs.along(along), sphere.along(along), atol=ROUNDING)
     for height in (-0.9 * R, 0.0, 0.4 * R):
         assert arcs.arc_to(height) == pytest.approx(sphere.arc_to(height), abs=10 * ROUNDING)
+
+
+@pytest.mark.parametrize("up", [(0, 0, 1), (0, 0, -1), (1e-3, 0, 1), (1, 0, 0), (-0.2, 0.5, -0.4)])
+@pytest.mark.parametrize("fill", [1e-3, 0.3, 0.8])
+def test_the_level_in_a_sphere_of_arcs_however_it_lies(up: tuple[float, ...], fill: float):
+    """A plane cuts off the volume to rounding, near the poles to its root of it."""
+    arcs, sphere, way = sphere_of_arcs(R), Sphere(R), np.array(up, dtype=float)
+    wanted = sphere.level_of(fill * sphere.volume, way)
+    assert arcs.level_of(fill * sphere.volume, way) == pytest.approx(wanted, abs=1e-12 * R)
+
+
+def test_rays_moments_and_integrals_in_a_sphere_of_arcs(points: np.ndarray):
+    """A quadrature of products of polynomials of degree 6, below the rim and below a level."""
+    arcs, sphere = sphere_of_arcs(R), Sphere(R)
+    ways = points / np.linalg.norm(points, axis=1)[:, None]
+    np.testing.assert_allclose(arcs.on_rays(ways), sphere.on_rays(ways), atol=ROUNDING)
+    np.testing.assert_allclose(arcs.scaled(1.1).on_rays(ways), 1.1 * R * ways, atol=2 * ROUNDING)
+    for height in (0.0, 0.1):
+        moment = sphere.moment_below(height)
+        assert arcs.moment_below(height) == pytest.approx(moment, rel=1e-13)
+        integrals = []
+        for shell in (sphere, arcs):
+            x, area = shell.quadrature(6, height)
+            integrals.append((((x[:, 0] ** 2 + x[:, 1] * x[:, 2]) / R**2) ** 6) @ area)
+        np.testing.assert_allclose(integrals[1], integrals[0], atol=1e-13 * R**2)
+
+
+def test_rays_meet_a_pill(points: np.ndarray):
+    shell = pill(R, R)
+    place = shell.on_rays(points / np.linalg.norm(points, axis=1)[:, None])
+    np.testing.assert_allclose(shell.gap(place), 0.0, atol=ROUNDING)
+    np.testing.assert_allclose(np.cross(place, points), 0.0, atol=4 * ROUNDING * R)
+
+
+def test_the_sheet_moulded_to_a_sphere_of_arcs_is_the_hemisphere():
+    arcs, sphere = (moulded(shell.upper_part(), 12) for shell in (sphere_of_arcs(R), Sphere(R)))
+    np.testing.assert_allclose(arcs.points, sphere.points, atol=ROUNDING)
+    np.testing.assert_array_equal(arcs.triangles, sphere.triangles)
+    np.testing.assert_allclose(arcs.rim_distance, sphere.rim_distance, atol=ROUNDING)
+    chart = sphere_of_arcs(R).upper_part().directions(arcs.points)
+    np.testing.assert_allclose(chart, sphere.points / R, atol=1e-13)
+
+
+def test_the_chart_of_a_pill_s_upper_part_keeps_arc_lengths_and_azimuths():
+    half = 0.5 * R
+    mould = pill(R, half).upper_part()
+    x = np.array([[0.0, R, 0.25 * half], [-R * math.sin(0.4), 0.0, half + R * math.cos(0.4)]])
+    polar = 0.5 * math.pi * np.array([0.5 * math.pi * R + 0.75 * half, 0.4 * R])
+    polar /= 0.5 * math.pi * R + half
+    wanted = [[0.0, np.sin(polar[0]), np.cos(polar[0])], [-np.sin(polar[1]), 0.0, np.cos(polar[1])]]
+    np.testing.assert_allclose(mould.directions(x), wanted, atol=1e-13)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 5.0])
