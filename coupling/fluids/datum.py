@@ -20,17 +20,16 @@ from coupling.scene.scene import Scene
 class Datum:
     """p = rho (b.x + |b| level): zero on the plane at ``level`` [m] above the origin, against b.
 
-    There a level liquid of ``volume`` [m^3] would have its surface in the ``shell`` (Eq. 4.5, of a
-    sphere, where it stands as high whichever way b points).
+    There a level liquid would have its surface in the ``shell`` (Eq. 4.5, of a sphere, where it
+    stands as high whichever way b points).
     """
 
     density: float
     shell: Shell
-    volume: float
 
-    def load(self, body_force: Array) -> HydrostaticLoad:
-        """The load under ``body_force`` (3,) [m/s^2], gravity less the tank's acceleration."""
-        level = self.shell.level_of(self.volume, -body_force)
+    def load(self, body_force: Array, volume: float) -> HydrostaticLoad:
+        """The load of ``volume`` [m^3] under ``body_force`` (3,) [m/s^2]."""
+        level = self.shell.level_of(volume, -body_force)
         datum = self.density * float(np.linalg.norm(body_force)) * level
         return HydrostaticLoad(density=self.density, body_force=body_force, datum=datum)
 
@@ -44,9 +43,7 @@ class DatumModel(FluidModel):
 
     def load_model(self, scene: Scene) -> Datum:
         """Of the level that the scene's liquid would have without a diaphragm."""
-        return Datum(
-            density=scene.liquid.density, shell=scene.tank.shell, volume=scene.liquid_volume
-        )
+        return Datum(density=scene.liquid.density, shell=scene.tank.shell)
 
 
 DATUM = DatumModel()

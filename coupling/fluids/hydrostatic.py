@@ -11,22 +11,21 @@ from coupling.scene.scene import Scene
 
 @dataclass(frozen=True, kw_only=True)
 class Hydrostatic:
-    """p = p0(t) + rho b.x with V(x) = ``volume`` [m^3]; holds while (f/f1)^2 << 1.
+    """p = p0(t) + rho b.x with V(x) that of the supply; holds while (f/f1)^2 << 1.
 
     Also the part of the pressure that a flow model leaves out of its equations.
     """
 
     density: float
-    volume: float
 
-    def load(self, body_force: Array) -> HydrostaticLoad:
-        """The load under ``body_force`` (3,) [m/s^2], gravity less the tank's acceleration."""
-        return HydrostaticLoad(density=self.density, body_force=body_force, volume=self.volume)
+    def load(self, body_force: Array, volume: float) -> HydrostaticLoad:
+        """The load of ``volume`` [m^3] under ``body_force`` (3,) [m/s^2]."""
+        return HydrostaticLoad(density=self.density, body_force=body_force, volume=volume)
 
 
 def hydrostatic_of(scene: Scene) -> Hydrostatic:
     """The hydrostatic pressure of the scene's liquid."""
-    return Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
+    return Hydrostatic(density=scene.liquid.density)
 
 
 class HydrostaticModel(FluidModel):

@@ -19,8 +19,8 @@ Record = Callable[[float, int, float, float], None]
 class LoadModel(Protocol):
     """What every model gives: the load that needs no flow."""
 
-    def load(self, body_force: Array) -> HydrostaticLoad:
-        """The load under ``body_force`` (3,) [m/s^2]."""
+    def load(self, body_force: Array, volume: float) -> HydrostaticLoad:
+        """The load of ``volume`` [m^3] under ``body_force`` (3,) [m/s^2]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,8 @@ from cloth.energy import SheetLosses, mean_losses
 from cloth.mesh import rest_gradients
 from coupling.fluids import FLUIDS
 from coupling.fluids.model import Record
-from coupling.motion.shaking import motion_of
+from coupling.fluids.supply import supply_of
+from coupling.motion.frame import frame_of
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
 from coupling.scene.scene import Scene
 from coupling.simulation.energy import Instant, instant_of
@@ -34,10 +35,11 @@ class Participants:
 
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.scene, self.folder = scene, folder
-        self.motion = motion_of(scene)
+        self.frame, self.supply = frame_of(scene), supply_of(scene)
         self.model = FLUIDS[scene.model.fluid]
         self._load_model = self.model.load_model(scene)
-        self._load = self._load_model.load(np.asarray(scene.gravity))  # of the last step; at rest
+        # Of the last step; at rest.
+        self._load = self._load_model.load(self.frame.gravity, self.supply.volume(0.0))
         self.cloth = diaphragm_of(scene)
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
@@ -98,7 +100,7 @@ class Participants:
             for part, seconds in self.step.seconds().items():
                 tally.statistics.wall_by_part[part] += seconds
         report, state = self.step.report(), self.cloth.state
-        tally.coupling(after, report, volume=state.volume)
+        tally.coupling(after, report, volume=state.volume, supplied=self.supply.volume(after))
         tally.structure(after, state, converged=self._converged, steps=parts)
         return report
 
@@ -118,21 +120,21 @@ class Participants:
 
     def load(self, start: float, end: float) -> HydrostaticLoad:
         """The liquid's load in a step from ``start`` to ``end`` [s], after the committed state."""
-        shaking = self.motion.step_acceleration(start, end, self.cloth.previous_step)
-        self._load = self._load_model.load(np.asarray(self.scene.gravity) - shaking)
+        body_force = self.frame.body_force(start, end, self.cloth.previous_step)
+        self._load = self._load_model.load(body_force, self.supply.volume(end))
         return self._load
 
     def _acceleration(self, time: float) -> Array:
         """Of the tank (3,) [m/s^2] at ``time`` [s], of a record its mean over the step before."""
         if time == 0.0:
             return np.zeros(3)
-        return self.motion.step_acceleration(time - self.scene.time.step, time, 0.0)
+        return self.frame.acceleration(time - self.scene.time.step, time)
 
     def instant(self, time: float, liquid: LiquidSample | None) -> Instant:
         """What the energy balance needs to know of the committed state at ``time`` [s]."""
         shaking = np.zeros(3)
         if time > 0.0:
-            shaking = self.motion.working_acceleration(time - self.scene.time.step, time)
+            shaking = self.frame.working_acceleration(time - self.scene.time.step, time)
         return instant_of(
             self.cloth, self.cloth.state, liquid, self.scene, self._losses(), acceleration=shaking
         )
@@ -146,7 +148,7 @@ class Participants:
         return sample_at(
             time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
-            displacement=self.motion.displacement(time), flow=liquid, pressures=pressures,
+            displacement=self.frame.displacement(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
             metrics=metrics | self.step.metrics(liquid),
         )  # fmt: skip

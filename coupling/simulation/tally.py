@@ -66,14 +66,16 @@ class Tally:
                 f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
             )
 
-    def coupling(self, time: float, report: StepReport, *, volume: float) -> None:
+    def coupling(self, time: float, report: StepReport, *, volume: float, supplied: float) -> None:
         """A step that ends at ``time`` [s] with ``volume`` [m^3] below the diaphragm.
+
+        ``supplied`` [m^3]: what should be there.
 
         Raises ``RunFailed`` when too many did not converge.
         """
         statistics, error = self.statistics, report.volume_error
         if error is None:
-            error = abs(volume / self.scene.liquid_volume - 1.0)
+            error = abs(volume / supplied - 1.0)
         statistics.volume_error_max = max(statistics.volume_error_max, error)
         for sample in report.samples:
             statistics.speed_max = max(statistics.speed_max or 0.0, sample.speed_max)

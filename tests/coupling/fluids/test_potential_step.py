@@ -7,7 +7,7 @@ import pytest
 
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.fluids.potential.model import POTENTIAL
-from coupling.motion.shaking import motion_of
+from coupling.motion.frame import frame_of
 from coupling.scene.scene import Scene, scene_from
 from coupling.simulation.driver import resume, run
 from coupling.step.halving import Halving
@@ -39,16 +39,15 @@ class Run:
     """A settled diaphragm, its step, and the load of the scene's motion."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self.motion = scene, motion_of(scene)
-        self.model = Hydrostatic(density=scene.liquid.density, volume=scene.liquid_volume)
+        self.scene, self.frame = scene, frame_of(scene)
+        self.model = Hydrostatic(density=scene.liquid.density)
         self.cloth = diaphragm_of(scene)
-        settle_diaphragm(self.cloth, scene, self.model.load(GRAVITY))
+        settle_diaphragm(self.cloth, scene, self.model.load(GRAVITY, scene.liquid_volume))
         self.step = POTENTIAL.time_step(scene, self.cloth, Path(), lambda *_: None)
 
     def load(self, start: float, end: float):
-        return self.model.load(
-            GRAVITY - self.motion.step_acceleration(start, end, self.cloth.previous_step)
-        )
+        body_force = self.frame.body_force(start, end, self.cloth.previous_step)
+        return self.model.load(body_force, self.scene.liquid_volume)
 
     def go(self, first: int, last: int) -> None:
         dt = self.scene.time.step

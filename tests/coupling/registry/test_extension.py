@@ -57,8 +57,8 @@ class Still:
     def __init__(self, scene):
         self.liquid, self.gravity = hydrostatic_of(scene), np.array(scene.gravity)
 
-    def load(self, body_force):
-        return self.liquid.load(self.gravity)
+    def load(self, body_force, volume):
+        return self.liquid.load(self.gravity, volume)
 
 
 class StillModel(FluidModel):

@@ -11,7 +11,7 @@ from arcs_tank import arcs_offered
 
 from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.mesh import half_ball
-from coupling.fluids import FLUIDS
+from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.interface.free_patch import FreePatch
 from coupling.simulation.driver import run
 from coupling.scene.scene import Scene, SceneError, scene_from, with_overrides
@@ -75,7 +75,9 @@ def test_the_flow_s_mesh_in_a_sphere_of_arcs_is_that_in_the_sphere():
     for shape in ("sphere", "arcs"):
         scene = with_overrides(tank("openfoam"), [f"tank.shape={shape}"])
         cloth = diaphragm_of(scene)
-        load = FLUIDS["openfoam"].load_model(scene).load(np.array(scene.gravity))
+        load = Hydrostatic(density=scene.liquid.density).load(
+            np.array(scene.gravity), scene.liquid_volume
+        )
         settle_diaphragm(cloth, scene, load)
         mesh, state = half_ball(200), cloth.state
         moulded = scene.tank.mould.directions(cloth.reference)

@@ -53,7 +53,7 @@ def test_a_clamped_rim_resists_the_slope_that_a_hinged_one_gives_way_to():
 def test_settles_at_the_level_of_the_spherical_cap():
     chosen = scene()
     cloth = diaphragm_of(chosen)
-    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    load = Hydrostatic(density=998.0).load(GRAVITY, chosen.liquid_volume)
     settle_diaphragm(cloth, chosen, load)
     state = cloth.state
     assert abs(state.volume / chosen.liquid_volume - 1) < 1e-9
@@ -73,7 +73,7 @@ def test_the_thesis_diaphragm_settles_for_the_given_time_at_its_datum():
     assert isinstance(cloth, ThesisSheet)
     assert cloth.step == 0.0005  # the scene's, where it is shorter than the thesis' 1 ms
     assert cloth.triangles.shape == (2 * 5 * 5, 3)
-    load = Datum(density=998.0, level=0.4257 * RADIUS).load(GRAVITY)
+    load = Datum(density=998.0, shell=Sphere(RADIUS)).load(GRAVITY, chosen.liquid_volume)
     settle_diaphragm(cloth, chosen, load)
     by_hand = diaphragm_of(chosen)
     by_hand.begin_step(0.05, load)
@@ -86,7 +86,7 @@ def test_the_thesis_diaphragm_settles_for_the_given_time_at_its_datum():
 
 def test_the_thesis_diaphragm_refuses_a_liquid_of_constant_volume():
     chosen = scene(cloth={"grid": "thesis", "resolution": 6}, model={"fluid": "datum"})
-    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    load = Hydrostatic(density=998.0).load(GRAVITY, chosen.liquid_volume)
     with pytest.raises(ValueError, match=r"no volume constraint.*model\.fluid"):
         settle_diaphragm(diaphragm_of(chosen), chosen, load)
 
@@ -94,7 +94,7 @@ def test_the_thesis_diaphragm_refuses_a_liquid_of_constant_volume():
 def test_held_diaphragm_stays():
     chosen = scene(diaphragm={"material": "AF-E-332", "thickness": 0.001778, "held": True})
     cloth = diaphragm_of(chosen)
-    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    load = Hydrostatic(density=998.0).load(GRAVITY, chosen.liquid_volume)
     settle_diaphragm(cloth, chosen, load)
     before = cloth.state.position
     cloth.begin_step(0.01, replace(load, body_force=np.array([15.0, 0.0, -9.81])))
@@ -108,7 +108,7 @@ def test_a_diaphragm_with_its_compliance_stretches_by_tension_over_e_t():
         rubber = {"material": "AF-E-332", "thickness": 0.001778, "inextensible": inextensible}
         chosen = scene(diaphragm=rubber)
         cloth = diaphragm_of(chosen)
-        load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+        load = Hydrostatic(density=998.0).load(GRAVITY, chosen.liquid_volume)
         settle_diaphragm(cloth, chosen, load)
         strains[inextensible] = cloth.state.strain.max()
         stretched = cloth.state.tension.max() / chosen.diaphragm.sheet.membrane_stiffness
@@ -134,7 +134,7 @@ def test_a_half_full_sheet_of_18_rings_comes_to_rest():
     chosen = load_scene(CASES / "slosh", ["cloth.resolution=18"])
     cloth = diaphragm_of(chosen)
     density = chosen.liquid.density
-    load = Hydrostatic(density=density, volume=chosen.liquid_volume).load(GRAVITY)
+    load = Hydrostatic(density=density).load(GRAVITY, chosen.liquid_volume)
     assert settle_diaphragm(cloth, chosen, load) < 1e-6
 
 
@@ -142,7 +142,7 @@ def test_says_when_no_rest_is_found():
     chosen = scene()
     cloth = diaphragm_of(chosen)
     # More liquid than the moulded triangles can enclose: there is no equilibrium to be found.
-    load = Hydrostatic(density=998.0, volume=1.02 * chosen.tank.volume).load(GRAVITY)
+    load = Hydrostatic(density=998.0).load(GRAVITY, 1.02 * chosen.tank.volume)
     with pytest.raises((RunFailed, ArithmeticError), match=r"settling|diverge"):
         settle_diaphragm(cloth, chosen.model_copy(update={"liquid": _fuller(chosen)}), load)
 
@@ -154,7 +154,7 @@ def test_a_sheet_that_never_rests_can_start_as_it_creeps():
         diaphragm=heavy | {"thickness": 0.001778}, time={"duration": 0.1, "settle_tolerance": 1e-3}
     )
     cloth = diaphragm_of(chosen)
-    load = Hydrostatic(density=998.0, volume=chosen.liquid_volume).load(GRAVITY)
+    load = Hydrostatic(density=998.0).load(GRAVITY, chosen.liquid_volume)
     left = settle_diaphragm(cloth, chosen, load)
     assert left is not None
     assert 1e-6 < left <= 1e-3
