@@ -70,6 +70,10 @@ class Shell(Protocol):
         """Radius [m] of the rim's circle, over which lengths are taken."""
 
     @property
+    def poles(self) -> tuple[float, float]:
+        """Heights [m] of the lower and the upper pole."""
+
+    @property
     def volume(self) -> float:
         """Of the whole inside [m^3]."""
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from coupling.ports import Array
+from coupling.ports import Array, Shell
 from coupling.report.figures import model_line
 from coupling.report.files import RunFiles
 from coupling.report.page import Picture
@@ -49,9 +49,9 @@ def sections(run: RunFiles) -> list[Picture]:
     for row in period_rows(results, COUNT):
         figure = Figure(figsize=(2.4, 2.4))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        _shell(axes, run.scene.tank.radius)
+        _shell(axes, run.scene.tank.shell)
         for curve in cut(results.position[row], results.triangles, along):
-            axes.fill(*_liquid(curve, run.scene.tank.radius).T, color=BLUE, alpha=0.16, linewidth=0)
+            axes.fill(*_liquid(curve, run.scene.tank.shell).T, color=BLUE, alpha=0.16, linewidth=0)
             axes.plot(*curve.T, color=INK, linewidth=1.6)
         cg = results.liquid_cg[row]
         axes.plot(cg @ along, cg[2], "+", color=BLUE, markersize=9, markeredgewidth=1.6)
@@ -69,7 +69,7 @@ def overlaid_sections(runs: Sequence[RunFiles]) -> list[Picture]:
         instant = float(first.time[row])
         figure = Figure(figsize=(2.4, 2.4))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        _shell(axes, runs[0].scene.tank.radius)
+        _shell(axes, runs[0].scene.tank.shell)
         for run in runs:
             near = int(np.argmin(np.abs(run.results.time - instant)))
             for curve in cut(run.results.position[near], run.results.triangles, along):
@@ -79,19 +79,28 @@ def overlaid_sections(runs: Sequence[RunFiles]) -> list[Picture]:
     return pictures
 
 
-def _shell(axes: Any, radius: float) -> None:
-    angle = np.linspace(0.0, 2.0 * np.pi, 181)
-    axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=GREY, linewidth=1.0)
-    axes.set(
-        aspect="equal", xlim=(-1.04 * radius, 1.04 * radius), ylim=(-1.04 * radius, 1.04 * radius)
-    )
+def _shell(axes: Any, shell: Shell) -> None:
+    """Draw the outline of the ``shell``, all of it in view."""
+    right = _meridian(shell, *shell.poles)
+    across, (bottom, top) = 1.04 * right[:, 0].max(), shell.poles
+    for side in (1.0, -1.0):
+        axes.plot(side * right[:, 0], right[:, 1], color=GREY, linewidth=1.0)
+    span = max(across, 0.52 * (top - bottom))
+    middle = 0.5 * (bottom + top)
+    axes.set(aspect="equal", xlim=(-span, span), ylim=(middle - span, middle + span))
     axes.set_axis_off()
 
 
-def _liquid(curve: Array, radius: float) -> Array:
-    """The curve closed along the shell below it, from its right end round to its left."""
-    first, last = np.arctan2(curve[0, 1], curve[0, 0]), np.arctan2(curve[-1, 1], curve[-1, 0])
-    if first > 0.5 * np.pi:
-        first -= 2.0 * np.pi
-    angle = np.linspace(last, first, 91)
-    return np.vstack([curve, radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)])
+def _liquid(curve: Array, shell: Shell) -> Array:
+    """The curve (k, 2) closed along the shell below it, from its right end round to its left."""
+    ordered = curve if curve[0, 0] < curve[-1, 0] else curve[::-1]
+    down = _meridian(shell, ordered[-1, 1], shell.poles[0])
+    up = _meridian(shell, shell.poles[0], ordered[0, 1])
+    return np.vstack([ordered, down, up * [-1.0, 1.0]])
+
+
+def _meridian(shell: Shell, start: float, end: float) -> Array:
+    """Radius and height (91, 2) [m] of the ``shell`` from the height ``start`` to ``end`` [m]."""
+    heights = np.clip([start, end], *shell.poles)
+    first, last = (shell.arc_to(float(height)) for height in heights)
+    return np.stack(shell.along(np.linspace(first, last, 91)), axis=1)
