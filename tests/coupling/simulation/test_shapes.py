@@ -13,8 +13,8 @@ from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.interface.free_patch import FreePatch
-from coupling.simulation.driver import run
 from coupling.scene.scene import Scene, SceneError, scene_from, with_overrides
+from coupling.simulation.driver import run
 from coupling.store.results import Results, read_results
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 

@@ -9,8 +9,8 @@ import pytest
 from small_scene import SMALL
 
 from coupling.fluids.supply import ClosedTank, supply_of
-from coupling.simulation.participants import Participants
 from coupling.scene.scene import load_scene
+from coupling.simulation.participants import Participants
 
 
 @dataclass(frozen=True)
