@@ -83,11 +83,11 @@ def test_the_flow_s_mesh_in_a_sphere_of_arcs_is_that_in_the_sphere():
         moulded = scene.tank.mould.directions(cloth.reference)
         mapping = FreePatch(mesh, cloth, shell=scene.tank.shell, moulded=moulded)
         mapping.fit(state, scene.liquid_volume)
-        shell = mapping.begin_step(state, 0.0, state.position)
-        patch = mapping.to_flow(state.position)
+        placed = mapping.begin_step(state, 0.0, state.position)
+        shell, patch = placed.shell, placed.to_flow(state.position)
         following = FollowingMesh(mesh, scene.tank.shell)
         following.place(patch, following.raised(shell, patch, scene.liquid_volume))
-        meshes.append(following.points)
+        meshes.append(following.committed.points)
     np.testing.assert_allclose(meshes[1], meshes[0], atol=SAME * RADIUS)
 
 
