@@ -16,6 +16,7 @@ from coupling.fluids.model import Record
 from coupling.fluids.supply import supply_of
 from coupling.motion.frame import frame_of
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
+from coupling.scene.choices import AUTO
 from coupling.scene.scene import Scene
 from coupling.simulation.energy import Instant, instant_of
 from coupling.simulation.sampling import at_nodes, sample_at, still
@@ -34,6 +35,10 @@ class Participants:
     """
 
     def __init__(self, scene: Scene, folder: Path) -> None:
+        if scene.model.fluid == AUTO:
+            raise ValueError(
+                'model.fluid = "auto": take a model first, as coupling.campaign.auto.run_auto does'
+            )
         self.scene, self.folder = scene, folder
         self.frame, self.supply = frame_of(scene), supply_of(scene)
         self.model = FLUIDS[scene.model.fluid]
