@@ -1,4 +1,4 @@
-"""What acts on nodes: the compiled twins of ``cloth.reference``, as in ``cloth.kernels``."""
+"""What acts on nodes: the compiled twins of ``cloth.node_reference``, as in ``cloth.kernels``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def contact_step(
     rub: Array,
     rhs: Array,
 ) -> None:
-    """See ``cloth.reference.contact_step``."""
+    """See ``cloth.node_reference.contact_step``."""
     y, normal = np.empty(3), np.empty(3)
     for i in range(x.shape[0]):
         rub[i, 0] = rub[i, 1] = rub[i, 2] = 0.0
@@ -46,7 +46,7 @@ def contact_step(
 def bending_rest_step(
     gradient: Array, starts: Ints, columns: Ints, values: Array, moment: Array, rhs: Array
 ) -> None:
-    """See ``cloth.reference.bending_rest_step``."""
+    """See ``cloth.node_reference.bending_rest_step``."""
     for i in range(moment.shape[0]):
         g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
         square = g0 * g0 + g1 * g1 + g2 * g2
@@ -72,7 +72,7 @@ def bending_turning_step(
     moment: Array,
     rhs: Array,
 ) -> None:
-    """See ``cloth.reference.bending_turning_step``."""
+    """See ``cloth.node_reference.bending_turning_step``."""
     turn = np.zeros_like(x)
     for i in range(moment.shape[0]):
         g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
@@ -108,7 +108,7 @@ def bending_turning_step(
 
 @compiled
 def normal_drag_step(x: Array, anchor: Array, gradient: Array, drag: Array, rhs: Array) -> None:
-    """See ``cloth.reference.normal_drag_step``."""
+    """See ``cloth.node_reference.normal_drag_step``."""
     for i in range(x.shape[0]):
         g0, g1, g2 = gradient[i, 0], gradient[i, 1], gradient[i, 2]
         square = g0 * g0 + g1 * g1 + g2 * g2

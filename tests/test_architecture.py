@@ -72,9 +72,9 @@ def test_a_contract_that_does_not_hold_is_seen(tmp_path: Path, wrong: tuple[str,
     assert reason in done.stdout
 
 
-def test_nothing_but_the_ports_stands_beside_the_folders():
+def test_no_module_stands_beside_the_folders():
     modules = {name for name in FILES if name.count(".") == 1 and FILES[name].stem != "__init__"}
-    assert {name for name in modules if name.startswith("coupling.")} == {"coupling.ports"}
+    assert {name for name in modules if name.startswith("coupling.")} == set()
 
 
 def test_every_folder_of_modules_says_what_is_in_it_and_is_installed():

@@ -203,7 +203,7 @@ def plane_step(
     rub: Array,
     rhs: Array,
 ) -> None:
-    """Continue ``cloth.reference.contact_step``: its ball, cut by the planes.
+    """Continue ``cloth.node_reference.contact_step``: its ball, cut by the planes.
 
     With y = z + u as that step left them, z becomes the projection also on the planes, u = y - z,
     and ``rhs`` (n, 3) [N] takes the change of weight (z - u). Nodes of ``weight`` 0 stay out.

@@ -130,7 +130,7 @@ def settle_on(
     """Put where a node that is asked for at ``y`` (3,) [m] belongs into ``place`` (3,) [m].
 
     Within the shell that is ``y``. Beyond it, where y - place is in the cone of ``friction`` about
-    the ``normal`` (3,) there, as ``cloth.reference.contact_step`` says, for a node that was at
+    the ``normal`` (3,) there, as ``cloth.node_reference.contact_step`` says, for a node that was at
     ``start`` (3,) [m]. Returns whether it touches; the normal is given where it does.
     """
     if profile.shape[0] == 0:

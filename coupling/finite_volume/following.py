@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,8 +14,9 @@ from coupling.finite_volume.geometry import (
     swept_volumes,
 )
 from coupling.finite_volume.mesh import LiquidMesh
+from coupling.finite_volume.mesh_shape import MeshShape
 from coupling.finite_volume.smoothing import ElasticMesh, MeshFolds
-from coupling.finite_volume.swept import swept_gradient
+from coupling.finite_volume.swept import level_shift
 from coupling.ports import Array, Cause, Ints, RunFailed, Shell, StepFailed
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
@@ -25,15 +25,6 @@ BETTER = 5.0  # degrees that a new mesh must gain
 DEPTH, EDGE = 0.01, 0.1
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeshShape:
-    """Where the mesh stands: ``points`` (P, 3) [m], their cells, and the ``patch`` (p, 3) [m]."""
-
-    points: Array
-    geometry: CellGeometry
-    patch: Array
 
 
 class FollowingMesh:
@@ -147,31 +138,18 @@ class FollowingMesh:
             Points (p, 3) [m], the rim where it was. The volume is met to rounding; that 30
             iterations are enough for that is not checked.
         """
-        faces = self.mesh.patch_faces
         for _ in range(30):
             excess = self.excess(patch, shell)
             if abs(excess) <= 2e-16 * self.volume:
                 break
-            normal = np.zeros_like(patch)
-            np.add.at(normal, faces, swept_gradient(patch[faces]))
-            normal[self.mesh.rim] = 0.0
-            # A shift of equal height everywhere, so that it does not favour large faces.
-            height = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-            patch = patch - height * excess / float((normal * height).sum())
+            height, area = level_shift(patch, self.mesh.patch_faces, self.mesh.rim)
+            patch = patch - height * excess / area
         return patch
 
     def excess(self, patch: Array, shell: Array | None = None) -> float:
-        """Return the volume above the start's, by the sum that OpenFOAM's swept volumes add up to.
+        """Return the volume above the start's [m^3], as OpenFOAM's swept volumes add up to it.
 
-        Parameters
-        ----------
-        patch, shell
-            Points of the patch (p, 3) and of the shell (s, 3) [m], by default the step's own.
-
-        Returns
-        -------
-        float
-            The volume [m^3], negative where liquid is missing.
+        The parameters are those of ``close_volume``.
         """
         return fan_volume(self._outline(patch, shell)[self._boundary]) - self._fan
 

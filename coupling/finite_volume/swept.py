@@ -6,6 +6,7 @@ The force of a pressure is the transpose of the swept volume, so that p dV is it
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coupling.ports import Array, Ints
 
@@ -86,3 +87,31 @@ def pressure_force(points: Array, faces: Ints, pressure: Array) -> Array:
     force = np.zeros_like(points)
     np.add.at(force, faces, share)
     return force
+
+
+def level_shift(points: Array, faces: Ints, fixed: NDArray[np.bool_]) -> tuple[Array, float]:
+    """Return the shift by which a surface rises everywhere alike, and what it sweeps.
+
+    A shift of equal height everywhere does not favour large faces.
+
+    Parameters
+    ----------
+    points
+        Points of the surface (p, 3) [m].
+    faces
+        Its faces (F, 4).
+    fixed
+        Points that stay (p,).
+
+    Returns
+    -------
+    shift : Array
+        Unit normal at each point (p, 3), 0 where it is fixed.
+    area : float
+        Volume swept per length of the shift [m^2].
+    """
+    normal = np.zeros_like(points)
+    np.add.at(normal, faces, swept_gradient(points[faces]))
+    normal[fixed] = 0.0
+    height = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    return height, float((normal * height).sum())

@@ -20,12 +20,12 @@ from coupling.ports import Array, Ints
 from coupling.store import results_layout as layout
 from coupling.store import xdmf
 from coupling.store.atomic import H5_ERRORS, UnreadableFile, replacing, write_text
+from coupling.store.results_head import FILE, read_times
 from coupling.store.run_record import Sample
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FILE = "results.h5"
 XDMF_FILE = "results.xdmf"
 
 _WRITING_SHARE = 20.0  # wall time between two writings, over the cost of one
@@ -229,27 +229,6 @@ class ResultsWriter:
 
     def _write_xdmf(self, times: Array, nodes: int, triangles: int) -> None:
         write_text(self._folder / XDMF_FILE, xdmf.document(FILE, times, nodes, triangles))
-
-
-def read_times(folder: Path | str) -> Array:
-    """The instants (T,) [s] in a folder's results; raises UnreadableFile where there are none."""
-    return _read(folder)[0]
-
-
-def read_scene_hash(folder: Path | str) -> str:
-    """Hash of the scene that a folder's results are of; raises UnreadableFile."""
-    return _read(folder)[1]
-
-
-def _read(folder: Path | str) -> tuple[Array, str]:
-    path = Path(folder) / FILE
-    try:
-        with h5py.File(path, "r") as file:
-            return file["time"][()], str(file.attrs.get("scene_hash", ""))
-    except H5_ERRORS as error:
-        raise UnreadableFile(
-            f"{path}: no readable results ({error}). Run the scene again."
-        ) from error
 
 
 def _version() -> str:

@@ -19,8 +19,8 @@ from coupling.scene.content import (
 from coupling.scene.scene import Scene
 from coupling.store import checkpoint
 from coupling.store.folder_lock import FolderError
-from coupling.store.results import FILE as RESULTS
-from coupling.store.results import read_scene_hash, read_times
+from coupling.store.results_head import FILE as RESULTS
+from coupling.store.results_head import read_scene_hash, read_times
 from coupling.store.run_record import is_whole, read_summary
 
 CHECKPOINT = "checkpoint.h5"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cloth.shell.sphere import Sphere
-from coupling.finite_volume.mesh import LiquidMesh, assemble
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.installation import find_openfoam
 from coupling.interface.mapping import Matching
@@ -23,8 +22,9 @@ from coupling.schemes import SCHEMES
 from coupling.step.convergence import Convergence
 from coupling.step.coupled import CoupledStep
 from coupling.verify.case import CaseError, VerifyResult, quantity
+from coupling.verify.column import LENGTH, WIDTH, column_mesh
 
-LENGTH, WIDTH, DENSITY = 1.0, 0.25, 1000.0  # of the column [m], [kg/m^3]
+DENSITY = 1000.0  # of the liquid [kg/m^3]
 OMEGA = 10.0  # 1/s: the spring is chosen for it
 AMPLITUDE = 1e-3  # m: the case is linear but for its square
 PERIODS = 1.0
@@ -110,26 +110,6 @@ def _release(
         iterations.append(outcome.iterations)
         place.append(float(body.place[0]))
     return np.array(place), np.array(iterations, dtype=float), np.array(first)
-
-
-def column_mesh(cells: int) -> LiquidMesh:
-    """A column of length 1 along z, ``cells`` cubes long and as many wide as its width asks for.
-
-    Both its ends are the patch ``diaphragm``.
-    """
-    across = max(2, round(cells * WIDTH / LENGTH))
-    counts = np.array([across, across, cells])
-    grid = np.stack(np.meshgrid(*(np.arange(n + 1) for n in counts), indexing="ij"), axis=-1)
-    points = ((grid / counts - 0.5) * (WIDTH / LENGTH, WIDTH / LENGTH, 1.0)).reshape(-1, 3)
-    index = np.arange(len(points)).reshape(grid.shape[:3])
-    corners = [
-        index[i : i + across, j : j + across, k : k + cells]
-        for i, j, k in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0),
-                        (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
-    ]  # fmt: skip
-    # What lies above 0.5 is the patch: of the distances from the middle these are the ends alone.
-    mesh = assemble(np.abs(points), np.stack(corners, axis=-1).reshape(-1, 8), top=0.5 - 1e-9)
-    return replace(mesh, points=points)
 
 
 @dataclass(frozen=True, kw_only=True)

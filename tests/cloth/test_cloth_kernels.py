@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
-from cloth import kernels, node_kernels, reference, triangle_kernels
+from cloth import kernels, node_kernels, node_reference, reference, triangle_kernels
 from cloth.bending import bending_of
 from cloth.factors import factor_of
 from cloth.linear import System, stretch_matrix
@@ -109,13 +109,15 @@ def test_node_step(mesh, crumpled, friction):
     z, u, wanted = z0.copy(), u0.copy(), np.zeros_like(crumpled)
     start = crumpled + 0.05 * rng.normal(size=crumpled.shape)
     rub, rubbed = np.ones((2, *crumpled.shape))
-    reference.contact_step(crumpled, limit, weight, 1.3, friction, start, z, u, rubbed, wanted)
-    reference.bending_rest_step(gradient, bent.starts, bent.columns, bent.values, damped, wanted)
-    reference.bending_turning_step(
+    node_reference.contact_step(crumpled, limit, weight, 1.3, friction, start, z, u, rubbed, wanted)
+    node_reference.bending_rest_step(
+        gradient, bent.starts, bent.columns, bent.values, damped, wanted
+    )
+    node_reference.bending_turning_step(
         crumpled, mesh.triangles, gradient,
         bent.starts, bent.columns, bent.values, bent.moment, wanted,
     )  # fmt: skip
-    reference.normal_drag_step(crumpled, mesh.points, gradient, drag, wanted)
+    node_reference.normal_drag_step(crumpled, mesh.points, gradient, drag, wanted)
     got = np.zeros_like(crumpled)
     node_kernels.node_step(
         crumpled, Sphere(limit).profile, weight, 1.3, friction, start, z0, u0, rub, mesh.triangles,

@@ -178,9 +178,9 @@ def test_walls_pressure_is_what_the_coupler_carries_on_to_them(tmp_path):
     assert np.ptp(got - face) < 1e-9 * np.ptp(face)
     cells = read_cells(flow.case.time_folder(STEP) / "p", flow.mesh.cells) * DENSITY
     own = flow.mesh.owner[flow.mesh.diaphragm]
-    geometry = flow._now
+    geometry = flow._following.now.geometry
     area = np.linalg.norm(geometry.face_area[flow.mesh.diaphragm], axis=1)
-    across = DENSITY * wall_distance(flow.mesh, geometry) * flow._swept / STEP**2 / area
+    across = DENSITY * wall_distance(flow.mesh, geometry) * flow._solution.swept / STEP**2 / area
     aside = got - (cells[own] - across)
     assert np.ptp(aside) > 0.005 * np.ptp(face)  # this mesh leans
 
@@ -285,7 +285,8 @@ def test_wall_pressure_keeps_the_cells_beside_it_at_the_speed_of_the_fluxes(tmp_
         normal = area / np.linalg.norm(area, axis=1)[:, None]
         motion = (target - start)[flow.mesh.patch_faces].mean(axis=1) / STEP
         wall = np.sum(motion * normal, axis=1)
-        beside = np.sum(flow._velocity[flow.mesh.owner[flow.mesh.diaphragm]] * normal, axis=1)
+        velocity = flow._solution.velocity[flow.mesh.owner[flow.mesh.diaphragm]]
+        beside = np.sum(velocity * normal, axis=1)
         found[name] = wall @ beside / (wall @ wall)
         depth = wall_distance(flow.mesh, geometry).mean()
         kind = (flow.case.folder / "0" / "p").read_text()

@@ -8,7 +8,6 @@ anew from the committed fields; its points are all imposed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +20,9 @@ from coupling.finite_volume.wall import cell_distance, wall_flow
 from coupling.fluids.openfoam.flow_step import FlowSettings, FlowSolution, FlowStep
 from coupling.fluids.openfoam.sample import flow_sample
 from coupling.foam.keepalive import case_of
+from coupling.foam.kept_times import KeptTimes
 from coupling.foam.process import OpenFoam
-from coupling.ports import AnyArray, Array, FlowSample, Ints, RunFailed, Shell
+from coupling.ports import AnyArray, Array, FlowSample, Ints, Shell
 
 
 class OpenFoamFlow:
@@ -56,8 +56,7 @@ class OpenFoamFlow:
         self.time, self._previous_dt = 0.0, 0.0  # the latter of the step before, 0 at the start
         self._step: FlowStep | None = None
         self._solution: FlowSolution | None = None
-        self._kept: set[float] = {0.0}
-        self._shown: set[float] = set()  # times whose fields somebody asked for
+        self._times = KeptTimes(self.case)
 
     @property
     def points(self) -> Array:
@@ -152,18 +151,7 @@ class OpenFoamFlow:
         return self._step
 
     def close_volume(self, points: Array, shell: Array | None = None) -> Array:
-        """Return the interface shifted along its normals until the volume is the start's.
-
-        Parameters
-        ----------
-        points, shell
-            The interface (p, 3) and the shell's points (s, 3) [m], by default those of the step.
-
-        Returns
-        -------
-        Array
-            Points of the interface (p, 3) [m].
-        """
+        """Return the nearest interface that encloses the volume: ``FollowingMesh.close_volume``."""
         return self._following.close_volume(points, shell)
 
     def solve(self, points: Array) -> Array:
@@ -206,10 +194,7 @@ class OpenFoamFlow:
         self._moving.accept_step()
         if step.sliding is not None:
             self._sliding.accept_step()
-        if self.time not in self._kept | self._shown:
-            self.case.remove(self.time)
-        elif self.time not in self._kept:
-            self.case.thin(self.time)
+        self._times.leave(self.time)
         self.time, self._previous_dt = step.end, step.dt
         walls = wall_flow(
             self.mesh, self._following.geometry, self._following.now.geometry, solution.velocity,
@@ -230,12 +215,11 @@ class OpenFoamFlow:
 
     def write_fields(self) -> None:
         """Leave U, p*/rho and the points at the committed time in the case's folder."""
-        self.case.flush(self.time)
-        self._shown.add(self.time)
+        self._times.show(self.time)
 
     def save(self) -> dict[str, AnyArray]:
         """The committed state with OpenFOAM's own files at this time, as bytes."""
-        self._kept.add(self.time)
+        self._times.keep(self.time)
         saved: dict[str, AnyArray] = {
             "clock": np.array([self.time, self._previous_dt]),
             "initial": self._initial[0],
@@ -249,14 +233,10 @@ class OpenFoamFlow:
 
     def close(self) -> None:
         """Leave the committed fields in files, and end the solver; a step may still follow."""
-        with suppress(RunFailed):  # then the solver has failed, and the run ended by that
-            self.case.flush(self.time)
-        self.case.close()
+        self._times.close(self.time)
 
     def restore(self, saved: Mapping[str, AnyArray]) -> None:
         """The reverse of ``save``; fields of later times are gone, a lost case is written anew."""
-        if "clock" not in saved:
-            raise RunFailed("checkpoint.h5: an older version wrote it. Run the scene again.")
         self._place(saved["initial"], saved["shell"])
         if not self.case.exists:
             self.case.create(self.mesh_points, viscosity=self.viscosity)
@@ -265,6 +245,5 @@ class OpenFoamFlow:
         self._moving.restore(saved["moving"])
         self._sliding.restore(saved["sliding"])
         self._pressure_before = saved["pressure"]
-        self.case.rewind(self.time)
-        self._kept = {*self.case.times, self.time}
+        self._times.return_to(self.time)
         self.case.unpack(self.time, saved)

@@ -13,7 +13,7 @@ from small_scene import SMALL
 
 import coupling
 from coupling.store.folder_lock import FolderError
-from coupling.store.results import FILE
+from coupling.store.results_head import FILE
 from coupling.store.results_layout import FIELDS, METRIC_UNITS
 
 TINY = f"""{SMALL}[model]

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from coupling.finite_volume.corner_energy import corner_energy
 from coupling.finite_volume.geometry import cell_geometry, fan_volume
 from coupling.finite_volume.mesh import half_ball, shell_shares
-from coupling.finite_volume.smoothing import ElasticMesh, MeshFolds, corner_energy
+from coupling.finite_volume.smoothing import ElasticMesh, MeshFolds
 
 
 @pytest.fixture(params=[176, 650])

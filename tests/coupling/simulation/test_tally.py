@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from coupling.metrics.strains import quantile
-from coupling.ports import RunFailed, StepFailed
+from coupling.ports import RunFailed, StepFailed, StepReport
 from coupling.simulation.participants import Participants
 from coupling.simulation.tally import Tally
 
@@ -25,28 +25,17 @@ class Strained:
     tension: np.ndarray
 
 
-@dataclass
-class Outcome:
-    converged: bool
-    iterations: int = 30
-    residual: float = 0.1
-    parts: tuple[()] = ()
-
-    @property
-    def sample(self) -> "Outcome":
-        return self
-
-    speed_max: float = 0.0
-    dphi_dt_max: float = 0.0
+def outcome(*, converged: bool) -> StepReport:
+    return StepReport(iterations=30, residual=0.1, converged=converged, samples=())
 
 
 def test_a_step_that_fails_on_both_sides_counts_once():
     tally = Tally(run.scene(), np.array([0.002]), np.ones(1))
     for step in range(5):
-        tally.coupling(0.02 * step, Outcome(converged=False))
+        tally.coupling(0.02 * step, outcome(converged=False), volume=1.0, supplied=1.0)
         tally.structure(0.02 * step, State(), converged=False, steps=1)
         assert tally.statistics.unconverged_steps == step + 1
-    tally.coupling(0.2, Outcome(converged=True))
+    tally.coupling(0.2, outcome(converged=True), volume=1.0, supplied=1.0)
     with pytest.raises(RunFailed, match="6 steps did not converge"):  # five are allowed
         tally.structure(0.2, State(), converged=False, steps=1)
 
@@ -61,7 +50,7 @@ def test_the_time_of_a_step_that_fails_is_not_the_rest(monkeypatch, tmp_path):
     scene = run.scene()
     model = scene.model.model_copy(update={"fluid": "hydrostatic"})
     sides = Participants(scene.model_copy(update={"model": model}), tmp_path)
-    monkeypatch.setattr("coupling.simulation.participants.advance", fails)
+    monkeypatch.setattr(sides.cloth, "solve", fails)
     with pytest.raises(StepFailed):
         sides.advance(0.0, 0.02)
     assert sides.tally.statistics.wall_by_part["structure"] >= 0.02

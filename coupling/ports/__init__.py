@@ -1,0 +1,45 @@
+"""What the parts of a coupled run promise each other.
+
+Data flows one way: scene -> structure | liquid -> coupled step -> results. Every seam stands here,
+so that a participant, a fluid or a scheme can be replaced without touching the others.
+"""
+
+from __future__ import annotations
+
+from coupling.ports.arrays import AnyArray, Array, Ints
+from coupling.ports.failures import Cause, RunFailed, StepFailed
+from coupling.ports.flow import Flow, FlowSample, LiquidInertia, LiquidSample
+from coupling.ports.scheme import Scheme, SchemeSettings
+from coupling.ports.step import AT_REST, StepReport, TimeStep
+from coupling.ports.structure import (
+    DiaphragmState,
+    HydrostaticLoad,
+    IterativeStructure,
+    Shell,
+    Structure,
+    StructureState,
+)
+
+__all__ = [
+    "AT_REST",
+    "AnyArray",
+    "Array",
+    "Cause",
+    "DiaphragmState",
+    "Flow",
+    "FlowSample",
+    "HydrostaticLoad",
+    "Ints",
+    "IterativeStructure",
+    "LiquidInertia",
+    "LiquidSample",
+    "RunFailed",
+    "Scheme",
+    "SchemeSettings",
+    "Shell",
+    "StepFailed",
+    "StepReport",
+    "Structure",
+    "StructureState",
+    "TimeStep",
+]

@@ -1,0 +1,115 @@
+"""The liquid's side: what it says of a step, its inertia, and a flow on a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from coupling.ports.arrays import AnyArray, Array, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiquidSample:
+    """What a moving liquid says of a step, once accepted.
+
+    ``face_pressure`` (F,) [Pa]: p* on the faces of the diaphragm, area mean removed;
+    ``wall_pressure_force`` and ``wall_pressure_moment`` (3,) [N, N m]: of p* on all walls, about
+    the tank's centre; ``speed_max`` [m/s] and ``dphi_dt_max`` [m^2/s^2] (see ``fluids.gauge``)
+    as in the Bernoulli ratios; ``kinetic_energy`` [J] in the tank's frame.
+
+    ``kinetic_pressure`` (F,) [Pa]: -rho |u|^2/2 on the diaphragm; p* less this is the unsteady
+    part, -rho dphi/dt, and whatever vorticity does. ``viscous_traction`` (F,) [Pa]: size of the
+    viscous stress on the diaphragm. ``wall_slip`` [m^4/s^2]: int of the squared speed along all
+    walls, relative to them. ``pressure_work`` [J]: of p* there, by the trapezoidal rule.
+    """
+
+    face_pressure: Array
+    kinetic_pressure: Array
+    viscous_traction: Array
+    wall_pressure_force: Array
+    wall_pressure_moment: Array
+    speed_max: float
+    dphi_dt_max: float
+    kinetic_energy: float
+    wall_slip: float
+    pressure_work: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlowSample(LiquidSample):
+    """The same of a liquid on a mesh.
+
+    ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
+    ``liquid_cg`` (3,) [m] of the flow's mesh; ``continuity_error``: what the solver's own fluxes
+    miss, over the cells' volumes; ``non_orthogonality_max`` [deg]; ``wall_distance`` [m] of the
+    centres of the cells at the walls, the mean over their area.
+    """
+
+    volume: float
+    volume_error: float
+    liquid_cg: Array
+    continuity_error: float
+    non_orthogonality_max: float
+    wall_distance: float
+
+
+class LiquidInertia(Protocol):
+    """A liquid's inertia M_a = B^T B on its interface, at one shape of it."""
+
+    @property
+    def rows(self) -> Array:
+        """B (r, p, 3) [kg^(1/2)] on the interface's points, without uniform pressures."""
+
+    def force(self, acceleration: Array) -> Array:
+        """M_a a (p, 3) [N] of accelerations (p, 3) [m/s^2]: what has to push the liquid."""
+
+    def pressure(self, acceleration: Array) -> Array:
+        """The same as pressures (F,) [Pa] on the faces."""
+
+
+class Flow(Protocol):
+    """A liquid that moves: boundary points in, pressure beyond hydrostatics out.
+
+    The interface is the flow's own patch on the diaphragm: ``points`` (p, 3) [m], ``faces``
+    (F, 4), seen counter-clockwise from the gas (outside the liquid).
+    """
+
+    faces: Ints
+
+    @property
+    def points(self) -> Array:
+        """The interface (p, 3) [m], as committed."""
+
+    def begin_step(
+        self, time: float, dt: float, *, shell: Array | None = None, start: Array | None = None
+    ) -> None:
+        """Start a step of ``dt`` from the committed fields at ``time`` [s].
+
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay; ``start``
+        (p, 3) [m]: where the interface, at rest, has slid to, None where it has not.
+        """
+
+    def close_volume(self, points: Array, shell: Array | None = None) -> Array:
+        """The nearest interface (p, 3) that encloses the liquid's volume exactly.
+
+        With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
+        """
+
+    def solve(self, points: Array) -> Array:
+        """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed)."""
+
+    def liquid_inertia(self, points: Array) -> LiquidInertia:
+        """The liquid's inertia at this step's end, expected at ``points`` (p, 3) [m]."""
+
+    def inertial_pressure(self, points: Array) -> Array:
+        """p* (F,) [Pa] of the inertia at ``points`` (closed); ``solve`` follows before the end."""
+
+    def accept_step(self) -> FlowSample:
+        """Commit the last solve."""
+
+    def save(self) -> dict[str, AnyArray]:
+        """Everything ``restore`` needs."""
+
+    def restore(self, saved: Mapping[str, AnyArray]) -> None:
+        """The reverse of ``save``."""

@@ -1,0 +1,181 @@
+"""The diaphragm's side: its load, its shell, its state and its steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coupling.ports.arrays import Array, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class HydrostaticLoad:
+    """The part of the liquid's pressure that needs no flow: p = datum + density * body_force . x.
+
+    ``density`` [kg/m^3]; ``body_force`` (3,) [m/s^2] is gravity less the tank's acceleration.
+    With ``volume`` [m^3] the liquid's volume is a constraint and the datum its multiplier;
+    with ``datum`` [Pa] instead the datum is given and the volume goes where it likes.
+    """
+
+    density: float
+    body_force: Array
+    volume: float | None = None
+    datum: float | None = None
+
+
+class Shell(Protocol):
+    """The tank's rigid shell, a closed surface of revolution about z, and its inside.
+
+    The origin is the middle of the circle in the plane z = 0 on which the diaphragm is clamped, the
+    rim; every point of the shell is seen from it. Points are (n, 3) [m].
+    """
+
+    @property
+    def size(self) -> float:
+        """Radius [m] of the rim's circle, over which lengths are taken."""
+
+    @property
+    def poles(self) -> tuple[float, float]:
+        """Heights [m] of the lower and the upper pole."""
+
+    @property
+    def volume(self) -> float:
+        """Of the whole inside [m^3]."""
+
+    def gap(self, x: Array) -> Array:
+        """Distance (n,) [m] of ``x`` (n, 3) from the shell, below 0 outside."""
+
+    def project(self, x: Array) -> Array:
+        """The shell's nearest points (n, 3) to ``x`` (n, 3)."""
+
+    def confine(self, x: Array, depth: Array | float = 0.0) -> Array:
+        """``x`` (n, 3), what lies less than ``depth`` (n,) sizes inside moved to there."""
+
+    def on_rays(self, directions: Array) -> Array:
+        """Where rays from the origin in ``directions`` (n, 3), of length 1, meet it (n, 3) [m]."""
+
+    def scaled(self, factor: float) -> Shell:
+        """The shell ``factor`` times as large, about the origin."""
+
+    def volume_below(self, height: float) -> float:
+        """Volume [m^3] inside, below the plane z = ``height`` [m]."""
+
+    def moment_below(self, height: float) -> float:
+        """int z dV [m^4] over the inside below the plane z = ``height`` [m]."""
+
+    def level_of(self, volume: float, up: Array) -> float:
+        """Height [m] above the origin, along ``up`` (3,), of the surface of a level ``volume``."""
+
+    def along(self, arc: Array) -> tuple[Array, Array]:
+        """Radius and height (n,) [m] of the meridian ``arc`` (n,) [m] above the rim, along it."""
+
+    def arc_to(self, height: float) -> float:
+        """The reverse of ``along``: arc length [m] from the rim up to ``height`` [m]."""
+
+    def quadrature(self, degree: int, height: float = 0.0) -> tuple[Array, Array]:
+        """Points (n, 3) [m] below z = ``height`` [m] and their outward area vectors (n, 3) [m^2].
+
+        For products of two polynomials of ``degree``, one times the normal.
+        """
+
+
+class StructureState(Protocol):
+    """Where the diaphragm stands after a step (arrays are copies)."""
+
+    @property
+    def position(self) -> Array:
+        """Nodes (n, 3) [m]."""
+
+    @property
+    def velocity(self) -> Array:
+        """Of the nodes (n, 3) [m/s]."""
+
+    @property
+    def datum_pressure(self) -> float:
+        """p0 [Pa], the volume's multiplier or the given datum."""
+
+    @property
+    def volume(self) -> float:
+        """Of the liquid [m^3], as the structure's triangles enclose it."""
+
+    @property
+    def strain(self) -> Array:
+        """Largest principal tensile strain of every triangle (m,)."""
+
+
+class DiaphragmState(StructureState, Protocol):
+    """The same of a rubber sheet, which tears and wears."""
+
+    @property
+    def change(self) -> float:
+        """Rms displacement [m] that the solver's iteration has left, as estimated."""
+
+    @property
+    def tension(self) -> Array:
+        """Largest principal tension of every triangle (m,) [N/m]."""
+
+    @property
+    def shell_slip(self) -> Array:
+        """Way that every node has slid on the shell so far (n,) [m]."""
+
+    @property
+    def self_slip(self) -> Array:
+        """Way that every node has slid on another part of the sheet so far (n,) [m]."""
+
+
+class Structure(Protocol):
+    """The diaphragm, able to repeat a step from the same start."""
+
+    reference: Array  # (n, 3) [m] moulded shape
+    triangles: Ints  # (m, 3), counter-clockwise seen from the gas
+    fixed: NDArray[np.bool_]  # (n,) clamped nodes
+
+    def begin_step(
+        self, dt: float, load: HydrostaticLoad, liquid_inertia: Array | None = None
+    ) -> None:
+        """Start a step of ``dt`` [s] from the committed state.
+
+        ``liquid_inertia`` (r, n, 3) [kg^(1/2)]: rows B with M_a = B^T B, held during the step.
+        """
+
+    def inertial_prediction(self) -> Array:
+        """x~ (n, 3) [m] of this step: its acceleration at x is (x - x~) / acceleration_scale."""
+
+    @property
+    def acceleration_scale(self) -> float:
+        """b^2 [s^2] of this step's implicit formula (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""
+
+    def solve(self, force: Array) -> Array:
+        """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
+
+        The ``liquid_inertia`` of the step is part of the solve. The committed state stays as it
+        was: the call can be repeated, and the same force gives the same answer bit for bit.
+        """
+
+    def accept_step(self) -> None:
+        """Commit the last solve."""
+
+    @property
+    def state(self) -> StructureState:
+        """The committed state."""
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs to go on bit for bit."""
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+
+
+class IterativeStructure(Structure, Protocol):
+    """A diaphragm whose solve is an iteration of its own."""
+
+    def solve(self, force: Array, *, alone: bool = False) -> Array:
+        """See ``Structure``; ``alone``: the step is solved this once."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether the last solve reached its tolerance."""

@@ -1,0 +1,33 @@
+"""What a folder's results say of themselves, without reading their arrays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+
+from coupling.ports import Array
+from coupling.store.atomic import H5_ERRORS, UnreadableFile
+
+FILE = "results.h5"
+
+
+def read_times(folder: Path | str) -> Array:
+    """The instants (T,) [s] in a folder's results; raises UnreadableFile where there are none."""
+    return _read(folder)[0]
+
+
+def read_scene_hash(folder: Path | str) -> str:
+    """Hash of the scene that a folder's results are of; raises UnreadableFile."""
+    return _read(folder)[1]
+
+
+def _read(folder: Path | str) -> tuple[Array, str]:
+    path = Path(folder) / FILE
+    try:
+        with h5py.File(path, "r") as file:
+            return file["time"][()], str(file.attrs.get("scene_hash", ""))
+    except H5_ERRORS as error:
+        raise UnreadableFile(
+            f"{path}: no readable results ({error}). Run the scene again."
+        ) from error
