@@ -97,10 +97,9 @@ class CoupledStep:
         self._last: tuple[Iterate, float] | None = None  # of the last attempt, with its residual
         self._tried, self._parts = 0, list[tuple[float, FlowSample]]()  # since the last report
 
-    @property
-    def wall(self) -> dict[str, float]:
-        """Seconds spent in "structure", "fluid" and "mapping"."""
-        return self.problem.wall
+    def seconds(self) -> dict[str, float]:
+        """Wall time since this was last asked, by part: structure, fluid, mapping."""
+        return self.problem.watch.taken()
 
     def advance(self, time: float, dt: float, load: HydrostaticLoad) -> StepReport:
         """Solve and commit the step from ``time`` to ``time + dt`` [s] under ``load``, in one."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from time import perf_counter
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from coupling.ports import (
     LiquidSample,
     StepReport,
 )
+from coupling.step.stopwatch import Stopwatch
 
 
 class DryStep:
@@ -25,19 +25,16 @@ class DryStep:
 
     def __init__(self, cloth: IterativeStructure) -> None:
         self.cloth = cloth
-        self._seconds = 0.0
+        self._watch = Stopwatch("structure")
 
     def start(self) -> None:
         """Nothing is left to do: the diaphragm has settled."""
 
     def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
         """Solve a step of ``dt`` [s]; whether the diaphragm converged. Raises ArithmeticError."""
-        clock = perf_counter()
-        try:
+        with self._watch.timed("structure"):
             self.cloth.begin_step(dt, load)
             self.cloth.solve(np.zeros_like(self.cloth.reference), alone=True)
-        finally:
-            self._seconds += perf_counter() - clock
         return self.cloth.converged
 
     def accept(self) -> None:
@@ -50,8 +47,7 @@ class DryStep:
 
     def seconds(self) -> dict[str, float]:
         """Wall time since this was last asked, by part."""
-        spent, self._seconds = self._seconds, 0.0
-        return {"structure": spent}
+        return self._watch.taken()
 
     def metrics(self, sample: LiquidSample | None) -> dict[str, float]:
         """None: no flow is measured."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from time import perf_counter
+from collections.abc import Callable, Mapping
 
 from coupling.finite_volume.swept import pressure_force
 from coupling.interface.mapping import InterfaceMap
@@ -12,6 +10,7 @@ from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, Structure
 from coupling.step.backtracking import Backtracking
 from coupling.step.defects import Defects
 from coupling.step.interface_step import Answer, InterfaceStep, Iterate, StepRequest, known
+from coupling.step.stopwatch import Stopwatch
 
 
 class InterfaceProblem:
@@ -41,7 +40,7 @@ class InterfaceProblem:
     ) -> None:
         self.structure, self.flow, self.mapping = structure, flow, mapping
         self.liquid_inertia, self.backtracking = liquid_inertia, backtracking
-        self.wall = {"structure": 0.0, "fluid": 0.0, "mapping": 0.0}
+        self.watch = Stopwatch("structure", "fluid", "mapping")
         self._defects = Defects()
         self._request: StepRequest | None = None
         self._step: InterfaceStep | None = None
@@ -81,7 +80,7 @@ class InterfaceProblem:
         """As ``begin_step``, on the map for ``nodes`` (n, 3) [m] at the step's end."""
         request, state = known(self._request), self.structure.state
         self.mapping.restore(request.before)
-        with self._timed("mapping"):
+        with self.watch.timed("mapping"):
             step_map = self.mapping.begin_step(state, request.dt, nodes)
             shell = step_map.shell
             mapped = step_map.to_flow(nodes)
@@ -92,11 +91,11 @@ class InterfaceProblem:
             self.flow.begin_step(request.time, request.dt, shell=shell, start=slid)
         inertia, rows = None, None
         if self.liquid_inertia:
-            with self._timed("fluid"):
+            with self.watch.timed("fluid"):
                 inertia = self.flow.liquid_inertia(ahead)
-            with self._timed("mapping"):
+            with self.watch.timed("mapping"):
                 rows = step_map.rows_to_cloth(inertia.rows)
-        with self._timed("structure"):
+        with self.watch.timed("structure"):
             self.structure.begin_step(request.dt, request.load, rows)
         self._step = InterfaceStep(
             map=step_map,
@@ -119,7 +118,7 @@ class InterfaceProblem:
         Raises ``RunFailed``, ArithmeticError.
         """
         points = self.close_volume(points)
-        with self._timed("fluid"):
+        with self.watch.timed("fluid"):
             pressure = self.flow.solve(points)
         image = self._image(points, pressure)
         self._solved = Iterate(points=points, pressure=pressure, image=image)
@@ -134,12 +133,12 @@ class InterfaceProblem:
         return lambda points: self._image(points, rest + self._inertial_pressure(points))
 
     def _inertial_pressure(self, points: Array) -> Array:
-        with self._timed("fluid"):
+        with self.watch.timed("fluid"):
             return self.flow.inertial_pressure(points)
 
     def close_volume(self, points: Array) -> Array:
         """The nearest interface to ``points`` (p, 3) [m] that encloses the liquid's volume."""
-        with self._timed("mapping"):
+        with self.watch.timed("mapping"):
             return self.flow.close_volume(points)
 
     def _image(self, points: Array, pressure: Array) -> Array:
@@ -158,7 +157,7 @@ class InterfaceProblem:
 
     def _structure_answer(self, force: Array) -> Answer:
         """What ``force`` (p, 3) [N] on the interface leads to."""
-        with self._timed("structure"):
+        with self.watch.timed("structure"):
             nodes = self.structure.solve(self.step.map.to_cloth(force))
         mapped = self.step.to_flow(nodes)
         closed = self.close_volume(mapped)
@@ -173,14 +172,6 @@ class InterfaceProblem:
             self._defects.add(solved.pressure + inertial, known(self._request).dt)
         self.structure.accept_step()
         return self.flow.accept_step()
-
-    @contextmanager
-    def _timed(self, part: str) -> Iterator[None]:
-        clock = perf_counter()
-        try:
-            yield
-        finally:
-            self.wall[part] += perf_counter() - clock
 
     def save(self) -> dict[str, Array]:
         """The predictor's history, and the map's."""

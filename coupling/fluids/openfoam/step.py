@@ -109,9 +109,7 @@ class OpenFoamStep:
 
     def seconds(self) -> dict[str, float]:
         """Wall time since this was last asked, by part."""
-        spent = dict(self.coupled.wall)
-        self.coupled.wall.update(dict.fromkeys(spent, 0.0))
-        return spent
+        return self.coupled.seconds()
 
     def metrics(self, sample: LiquidSample | None) -> dict[str, float]:
         """Scalars of liquid and mesh."""

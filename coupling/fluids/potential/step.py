@@ -7,10 +7,8 @@ that inertia belongs to, and only where the step moves the diaphragm far.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
@@ -25,6 +23,7 @@ from coupling.ports import (
     LiquidSample,
     StepReport,
 )
+from coupling.step.stopwatch import Stopwatch
 
 # Committed arrays: nodes now and a step ago, the potential likewise.
 _NAMES = (
@@ -73,7 +72,7 @@ class PotentialStep:
     ) -> None:
         self.settings = settings or PotentialSettings()
         self.structure, self.liquid = structure, liquid
-        self._seconds = dict.fromkeys(("structure", "fluid"), 0.0)
+        self._watch = Stopwatch("structure", "fluid")
         self._shapes, self._residual = 0, 0.0
         self._samples: list[LiquidSample] = []  # of the parts since the last report
         state = structure.state
@@ -111,12 +110,12 @@ class PotentialStep:
         expected = c + (c - before) * (dt / previous if previous > 0.0 else 0.0)
         points = self.liquid.shell.confine(now["position"] + dt * now["velocity"])
         for last in (False, True):
-            with self._timed("fluid"):
+            with self._watch.timed("fluid"):
                 shape = self.liquid.at(points)
                 rows = shape.rows()
                 known = (shape.potential(nodes.velocity_anchor) - anchor) / nodes.b
                 force = shape.force(shape.pressure(known, expected))
-            with self._timed("structure"):
+            with self._watch.timed("structure"):
                 self.structure.begin_step(dt, load, rows)
                 end = self.structure.solve(force)
             self._shapes += 1
@@ -125,7 +124,7 @@ class PotentialStep:
             if last or self._residual <= self.settings.shape:
                 break
             points = end
-        with self._timed("fluid"):
+        with self._watch.timed("fluid"):
             velocity = nodes.velocity(end)
             coefficient = shape.potential(velocity)
             rate = (coefficient - anchor) / nodes.b
@@ -153,15 +152,6 @@ class PotentialStep:
         for name in ("", "previous_"):
             self._now[f"{name}coefficient"] = shape.potential(self._now[f"{name}velocity"])
 
-    @contextmanager
-    def _timed(self, part: str) -> Iterator[None]:
-        """Add the wall time of what is done to ``part``, also where that fails."""
-        clock = perf_counter()
-        try:
-            yield
-        finally:
-            self._seconds[part] += perf_counter() - clock
-
     def start(self) -> None:
         """Nothing is left to do: the liquid is at rest."""
 
@@ -185,8 +175,7 @@ class PotentialStep:
 
     def seconds(self) -> dict[str, float]:
         """Wall time since this was last asked, by part."""
-        spent, self._seconds = self._seconds, dict.fromkeys(self._seconds, 0.0)
-        return spent
+        return self._watch.taken()
 
     def metrics(self, sample: LiquidSample | None) -> dict[str, float]:
         """The liquid's scalars, and the energy [J] that time stepping made and that was removed."""
