@@ -45,7 +45,7 @@ def timed(name: str, plan: Plan, folder: Path, workers: int, *, kill_after: int 
     content = run_sweep(plan, folder, workers=workers, progress=progress)
     wall = perf_counter() - begin
     after = {file: file.stat().st_mtime_ns for file in folder.glob("points/*/*/results.h5")}
-    told = {
+    stated = {
         "workers": workers,
         "wall s": f"{wall:.1f}",
         "points": len(content["rows"]),
@@ -54,7 +54,7 @@ def timed(name: str, plan: Plan, folder: Path, workers: int, *, kill_after: int 
         "seconds in runs": f"{seconds_in(content):.0f}",
         "load": f"{os.getloadavg()[0]:.1f}",
     }
-    print(f"| {name} | {' | '.join(map(str, told.values()))} |", flush=True)
+    print(f"| {name} | {' | '.join(map(str, stated.values()))} |", flush=True)
     return wall
 
 

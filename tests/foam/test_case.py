@@ -271,7 +271,7 @@ def test_restarts_equal_one_continuous_run(tmp_path):
 
 def test_wall_pressure_keeps_the_cells_beside_it_at_the_speed_of_the_fluxes(tmp_path):
     # The lowest slosh decays below a level surface as exp(-1.84 z/R), by 15 % half a cell down.
-    # With no pressure gradient at the wall the cells there are told of half their neighbour only.
+    # With no pressure gradient at the wall the cells there feel half their neighbour only.
     found = {}
     built = find_openfoam()
     for name, openfoam in (("own", built), ("stock", replace(built, walls=None))):

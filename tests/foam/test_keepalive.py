@@ -270,9 +270,9 @@ def test_killed_solver_is_told_with_its_log(flow_of, request, kind):
     flow.begin_step(STEP, STEP)
     with pytest.raises(OpenFoamFailed) as caught:
         flow.solve(moved(flow, 5e-3))
-    told = str(caught.value)
-    assert re.search(r"^t = 0.01 s: edtPimpleFoam ended with (signal 9|exit status \d+)", told)
-    assert "continuity errors" in told or kind == "two"  # mpirun has the last word then
+    stated = str(caught.value)
+    assert re.search(r"^t = 0.01 s: edtPimpleFoam ended with (signal 9|exit status \d+)", stated)
+    assert "continuity errors" in stated or kind == "two"  # mpirun has the last word then
     assert gone([process, *solvers])
     with pytest.raises(OpenFoamFailed, match=r"t = 0.005 s ended with the process(.|\n)*resume"):
         flow.solve(moved(flow, 5e-3))

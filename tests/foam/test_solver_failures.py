@@ -78,11 +78,11 @@ def test_failure_is_told_and_what_was_computed_is_kept(edt, scene, tmp_path, fai
     assert "Traceback" not in done.stderr + done.stdout
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["status"] == "failed"
-    for told in (done.stderr, summary["error"]):
-        assert reason in told
-        assert "t = 0.0" in told or "/0.0" in told  # when: in words, or by the field's folder
+    for stated in (done.stderr, summary["error"]):
+        assert reason in stated
+        assert "t = 0.0" in stated or "/0.0" in stated  # when: in words, or by the field's folder
         if "of the test" in script:
-            assert "of the test" in told  # the log's tail
+            assert "of the test" in stated  # the log's tail
     times = check_results(folder)
     assert summary["steps"] >= len(times) - 1
     assert 0 < times[-1] < 0.06

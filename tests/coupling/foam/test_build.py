@@ -172,9 +172,9 @@ def test_without_a_network_the_mend_is_said(tmp_path, monkeypatch, cache):
     monkeypatch.setattr(debian_source, "APT", apt)
     with pytest.raises(NoHeaders) as caught:
         fetch("openfoam", "1912.1-1", lambda _: None)
-    told = str(caught.value)
-    assert "Is there a network" in told
-    assert f"openfoam_1912.1.orig.tar.bz2 into {cache / 'source'}" in told
+    stated = str(caught.value)
+    assert "Is there a network" in stated
+    assert f"openfoam_1912.1.orig.tar.bz2 into {cache / 'source'}" in stated
     assert list((cache / "source").iterdir()) == []  # nothing half fetched
     (cache / "source" / "openfoam_1912.1.orig.tar.xz").touch()
     assert fetch("openfoam", "1912.1-1", lambda _: None).name == "openfoam_1912.1.orig.tar.xz"

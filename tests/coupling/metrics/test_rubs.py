@@ -68,17 +68,17 @@ def test_the_summary_tells_what_has_gathered_at_the_end(tmp_path: Path) -> None:
     """The known run slips 10 mm a second everywhere for 2.4 s, and nowhere on itself."""
     run.write_run(tmp_path)
     results = read_results(tmp_path)
-    told = summarise(results, run.statistics(), run.scene(), "completed", None)["rubbing"]
-    assert told["shell_slip_max_m"] == pytest.approx(0.024)
-    assert told["shell_slip_mean_m"] == pytest.approx(0.024)
-    assert told["self_slip_max_m"] is None
+    stated = summarise(results, run.statistics(), run.scene(), "completed", None)["rubbing"]
+    assert stated["shell_slip_max_m"] == pytest.approx(0.024)
+    assert stated["shell_slip_mean_m"] == pytest.approx(0.024)
+    assert stated["self_slip_max_m"] is None
     slid = results.self_slip.copy()
     slid[-1, 5], slid[0, 7] = 0.004, 0.1
     swapped = replace(results, self_slip=results.shell_slip * 0.0 + slid, shell_slip=slid)
-    told = summarise(swapped, run.statistics(), run.scene(), "completed", None)["rubbing"]
+    stated = summarise(swapped, run.statistics(), run.scene(), "completed", None)["rubbing"]
     x, y, _ = results.reference[5]
-    assert told["self_slip_max_m"] == 0.004
-    assert told["shell_slip_place_deg"] == pytest.approx(
+    assert stated["self_slip_max_m"] == 0.004
+    assert stated["shell_slip_place_deg"] == pytest.approx(
         [np.degrees(np.arcsin(np.hypot(x, y) / run.RADIUS)), np.degrees(np.arctan2(y, x)) % 360]
     )
 
@@ -88,5 +88,5 @@ def test_nothing_slid_and_nothing_computed_are_null(tmp_path: Path) -> None:
     results = read_results(tmp_path)
     still = replace(results, shell_slip=0.0 * results.shell_slip)
     names = {"shell_slip_max_m", "shell_slip_mean_m", "shell_slip_place_deg", "self_slip_max_m"}
-    told = summarise(still, run.statistics(), run.scene(), "completed", None)["rubbing"]
-    assert told == dict.fromkeys(names)
+    stated = summarise(still, run.statistics(), run.scene(), "completed", None)["rubbing"]
+    assert stated == dict.fromkeys(names)

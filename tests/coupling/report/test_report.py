@@ -55,7 +55,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
-# 20 J dissipated a period, 16 J of them told apart, and rms of pressures
+# 20 J dissipated a period, 16 J of them by name, and rms of pressures
 ENERGIES: dict[str, Callable[[float], float]] = {
     "tank_work": lambda t: 25.0 * t * run.FREQUENCY,
     "mechanical_energy": lambda t: 4.0,
@@ -247,15 +247,15 @@ def with_rubber(scene: Scene, **stated: float) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("on_shell", "on_itself", "told"),
+    ("on_shell", "on_itself", "stated"),
     [(0.0, 0.0, []), (0.01, 0.0, ["shell"]), (0.0, 0.01, ["itself"]), (1, 1, ["shell", "itself"])],
 )
 def test_what_has_not_slid_is_not_drawn(
-    tmp_path: Path, on_shell: float, on_itself: float, told: list[str]
+    tmp_path: Path, on_shell: float, on_itself: float, stated: list[str]
 ) -> None:
     maps = rub_maps(rubbed(tmp_path, on_shell=on_shell, on_itself=on_itself))
     named = [re.match(r"Where it rubs on (the )?(\w+):", item.caption) for item in maps]
-    assert [match and match[2] for match in named] == told
+    assert [match and match[2] for match in named] == stated
 
 
 def test_a_map_is_an_image_under_its_lines(tmp_path: Path) -> None:
@@ -300,9 +300,9 @@ def test_halved_steps_are_told_only_where_there_are_any(tmp_path: Path) -> None:
 def test_the_tension_of_a_run_still_going_is_that_of_its_instants(tmp_path: Path) -> None:
     whole_run(tmp_path)
     (tmp_path / "summary.json").unlink()
-    told = read_run(tmp_path).summary
-    assert told["tension_max_N_per_m"] == 300.0
-    assert told["stress_max_Pa"] == pytest.approx(300.0 / 0.0018)
+    stated = read_run(tmp_path).summary
+    assert stated["tension_max_N_per_m"] == 300.0
+    assert stated["stress_max_Pa"] == pytest.approx(300.0 / 0.0018)
 
 
 def test_a_sheet_that_knows_no_tension_has_none_in_its_report(tmp_path: Path) -> None:
@@ -310,5 +310,5 @@ def test_a_sheet_that_knows_no_tension_has_none_in_its_report(tmp_path: Path) ->
     files = read_run(tmp_path)
     cloth = files.scene.cloth.model_copy(update={"grid": "thesis"})
     thesis = replace(files, scene=files.scene.model_copy(update={"cloth": cloth}))
-    told = [[item.title for item in run_page(one).sections] for one in (files, thesis)]
-    assert set(told[0]) - set(told[1]) == {"How hard the rubber is pulled, and where it rubs"}
+    stated = [[item.title for item in run_page(one).sections] for one in (files, thesis)]
+    assert set(stated[0]) - set(stated[1]) == {"How hard the rubber is pulled, and where it rubs"}

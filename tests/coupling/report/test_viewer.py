@@ -75,7 +75,7 @@ def look(browser: Browser) -> Iterator[Open]:
     def opened(folder: Path, width: int = 1200, **context: Any) -> Page:
         page = browser.new_context(viewport={"width": width, "height": 1400}, **context).new_page()
         page.set_default_timeout(30_000)
-        page.on("console", lambda told: told.type == "error" and complaints.append(told.text))
+        page.on("console", lambda stated: stated.type == "error" and complaints.append(stated.text))
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("request", lambda request: fetched.append(request.url))
         pages.add((folder / "report.html").as_uri())
@@ -135,7 +135,7 @@ def test_arrow_keys_turn_the_view_that_has_the_focus(study: Path, look: Open) ->
 def test_play_advances_the_slider_and_pause_stops_it(study: Path, look: Open) -> None:
     page = look(study)
     slider = page.get_by_label("Instant")
-    before, told = pictures(page), page.locator(".viewer output").text_content()
+    before, stated = pictures(page), page.locator(".viewer output").text_content()
     page.get_by_role("button", name="Play").click()
     page.wait_for_function("document.querySelector('.viewer input').value > 1")
     page.get_by_role("button", name="Pause").click()
@@ -143,7 +143,7 @@ def test_play_advances_the_slider_and_pause_stops_it(study: Path, look: Open) ->
     page.wait_for_timeout(600)  # an instant takes 400 ms: a period of 10 takes 4 s
     assert slider.input_value() == stopped
     assert pictures(page) != before
-    assert page.locator(".viewer output").text_content() != told
+    assert page.locator(".viewer output").text_content() != stated
 
 
 def test_the_slider_tells_the_instants_of_the_results(study: Path, look: Open) -> None:
@@ -151,11 +151,11 @@ def test_the_slider_tells_the_instants_of_the_results(study: Path, look: Open) -
     results = read_results(study / "potential")
     times = results.time[last_period_rows(results, viewer.INSTANTS)]
     slider = page.get_by_label("Instant")
-    told = []
+    stated = []
     for _ in times:
-        told.append(float((slider.get_attribute("aria-valuetext") or "").split()[2]))
+        stated.append(float((slider.get_attribute("aria-valuetext") or "").split()[2]))
         slider.press("ArrowRight")
-    assert told == pytest.approx(times.tolist(), abs=5e-4)  # told to a millisecond
+    assert stated == pytest.approx(times.tolist(), abs=5e-4)  # stated to a millisecond
 
 
 def test_the_chosen_models_are_shown(study: Path, look: Open) -> None:
@@ -258,14 +258,14 @@ def test_what_is_packed_is_the_results_to_half_a_unit(known: RunFiles) -> None:
     assert packed["time"] == pytest.approx(known.results.time[rows].tolist())
     assert len(rows) == 40
     run = packed["runs"][0]
-    for told, meant in (
+    for stated, meant in (
         (run["position"], known.results.position[rows]),
         (run["pressure"], known.results.pressure[rows] / 1e3),
         (run["dynamic"], known.results.dynamic_pressure[rows] / 1e3),
     ):
         # half of a 16 bit integer's worth, and the rounding of its product
         most = 0.5 * np.abs(meant).max() / 32767 * (1.0 + 1e-9)
-        assert np.abs(unpacked(told) - meant.ravel()).max() <= most
+        assert np.abs(unpacked(stated) - meant.ravel()).max() <= most
 
 
 def test_many_nodes_are_shown_at_fewer_instants(
@@ -277,4 +277,4 @@ def test_many_nodes_are_shown_at_fewer_instants(
     times = json.loads(viewer.run_viewer(known))["time"]
     assert len(times) == 10  # of 40, every fourth: the most even choice of 12 at most
     assert times[-1] == pytest.approx(known.results.time[-1])
-    assert np.ptp(np.diff(times)) < 2e-5  # told to 1e-5 s
+    assert np.ptp(np.diff(times)) < 2e-5  # stated to 1e-5 s

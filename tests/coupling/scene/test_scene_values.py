@@ -68,9 +68,9 @@ def refused_or_finite(path: tuple[str, ...], value: Any) -> None:
     except SceneError as error:
         others = {"radius": "thickness", "frequency": "step", "step": "duration"}
         others |= {"periods": "duration", "steps_per_period": "step"}
-        told = str(error)
-        assert path[-1] in told or others.get(path[-1], "?") in told, told
-        for line in told.splitlines():
+        stated = str(error)
+        assert path[-1] in stated or others.get(path[-1], "?") in stated, stated
+        for line in stated.splitlines():
             assert len(line.rstrip(".").split(". ")) >= 2, f"no mend: {line}"
         return
     figures = [*numbers_of(scene).to_dict().values()]
