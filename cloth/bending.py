@@ -26,8 +26,9 @@ from cloth.mesh import Mesh, border_nodes
 
 @dataclass(frozen=True, kw_only=True)
 class Bending:
-    """E = x.Q x/2 - x.held - sum_i moment_i n_i.(R x)_i, and a constant that makes it 0 as moulded.
+    """A bending energy that is quadratic in the positions but for its normals, and 0 as moulded.
 
+    E = x.Q x/2 - x.held - sum_i moment_i n_i.(R x)_i, and a constant that makes it 0 as moulded.
     ``matrix`` Q (n, n) [N/m], the same for x, y and z. R [1/m^3] stands in rows: ``starts``
     (n + 1,), ``columns`` and ``values``; n.(R x) is the product of the curvature with the moulded
     moment over kappa, nu tr(b0) I + (1 - nu) b0. ``moment`` (n,) [N m^3]: kappa times the area that
@@ -42,7 +43,15 @@ class Bending:
     held: Array
 
     def energy(self, position: Array, normals: Array) -> float:
-        """E [J] at ``position`` (n, 3) [m] of unit ``normals`` (n, 3), without the constant."""
+        """Return the energy E [J], without the constant that makes it 0 as moulded.
+
+        Parameters
+        ----------
+        position
+            Positions (n, 3) [m].
+        normals
+            Unit normals of the sheet there (n, 3), 0 of nodes without one.
+        """
         size = len(position)
         rows = sp.csr_matrix((self.values, self.columns, self.starts), shape=(size, size))
         moulded = np.einsum("id,id->i", np.asarray(rows @ position), normals)
@@ -51,11 +60,12 @@ class Bending:
 
 
 def carried_areas(mesh: Mesh, rim: Bools) -> Array:
-    """``voronoi_areas`` (n,) [m^2], those of border nodes shared among neighbours off the border.
+    """Return the nodes' areas (n,) [m^2], those of the border shared among neighbours off it.
 
-    But for nodes of the ``rim`` (n,), which keep theirs. Curvature is known off the border: without
-    the border's half cells a plate on a simple support is too soft by their share, of first order
-    in the grid; with them, at their neighbours' curvature, the error is of second order.
+    They are ``voronoi_areas`` otherwise, and nodes of the ``rim`` (n,) keep theirs. Curvature is
+    known off the border: without the border's half cells a plate on a simple support is too soft by
+    their share, of first order in the grid; with them, at their neighbours' curvature, the error is
+    of second order.
     """
     areas, pairs = voronoi_areas(mesh), neighbours(mesh.triangles)
     border = np.zeros(len(areas), dtype=bool)
@@ -69,7 +79,7 @@ def carried_areas(mesh: Mesh, rim: Bools) -> Array:
 
 
 def bending_of(mesh: Mesh, stiffness: Array, poisson: float, *, clamped: bool = False) -> Bending:
-    """Bending of ``mesh`` with kappa = ``stiffness`` (n,) [N m] at its nodes, at rest as moulded.
+    """Return the bending of ``mesh`` with kappa = ``stiffness`` (n,) [N m], at rest as moulded.
 
     ``poisson`` [-]. The border is free to turn: free edges, and simple supports where nodes are
     fixed. ``clamped``: the fixed nodes of the border hold the moulded slope, as if the moulded

@@ -15,7 +15,7 @@ from cloth.state import Memory
 def committed(
     problem: StepProblem, solution: Solution, before: Memory
 ) -> tuple[Memory, SheetLosses]:
-    """The memory after ``problem``, begun from ``before``, and what was lost in it."""
+    """Return the memory after ``problem``, begun from ``before``, and what was lost in it."""
     p, s, m = problem, solution, before
     reach = 0.5 * float(p.model.thickness.max())
     rubbing = pressed(m.position, m.contact_force, p.model.shell, reach)

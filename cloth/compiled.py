@@ -13,7 +13,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """``function`` compiled on its first call (and cached on disk), its signature kept.
+    """Return ``function`` compiled on its first call (and cached on disk), its signature kept.
 
     Every operation as written: with sums re-associated, a function that calls others gives other
     bits when it comes from the cache than when it was just compiled, and no resumed run would

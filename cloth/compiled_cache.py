@@ -106,7 +106,7 @@ class CheckedCache(caching.FunctionCache):
 
 
 def cache_of(function: Callable[..., Any]) -> caching._Cache:
-    """The cache of ``function``; one that keeps nothing where no folder can be written."""
+    """Return the cache of ``function``; one that keeps nothing where no folder can be written."""
     try:
         return CheckedCache(function)
     except RuntimeError as error:  # numba found no folder, or not the finder it was to use

@@ -11,18 +11,46 @@ EXACT = 1e-12  # of the shell's size, within which a node is where it was
 
 
 def pressed(position: Array, contact_force: Array, shell: Shell, reach: float) -> Bools:
-    """Nodes (n,) within ``reach`` [m] of the ``shell`` whose ``contact_force`` points outward.
+    """Return which nodes (n,) are near the shell and press on it.
 
-    ``contact_force`` (n, 3) [N] is what the sheet exerts on the shell (and on itself, elsewhere).
+    Parameters
+    ----------
+    position
+        Positions (n, 3) [m].
+    contact_force
+        What the sheet exerts (n, 3) [N] on the shell, and on itself elsewhere.
+    shell
+        The shell.
+    reach
+        Distance from the shell [m] within which a node counts as near.
+
+    Returns
+    -------
+    Bools
+        Nodes (n,) within ``reach`` whose force points outward.
     """
     outward = np.einsum("id,id->i", contact_force, shell.normal(position))
     return np.asarray((shell.gap(position) < reach) & (outward > 0.0))
 
 
 def slid(start: Array, end: Array, pressed: Bools, shell: Shell) -> Array:
-    """Way (n,) [m] along the ``shell`` from ``start`` to ``end`` (n, 3) of nodes ``pressed`` on it.
+    """Return how far each node has slid along the shell in a straight motion.
 
-    Of a straight motion: its part across the shell's normal at its middle.
+    That is the part of the motion across the shell's normal at its middle.
+
+    Parameters
+    ----------
+    start, end
+        Positions (n, 3) [m] at either end of the motion.
+    pressed
+        Nodes that press on the shell (n,); the others slide by 0.
+    shell
+        The shell.
+
+    Returns
+    -------
+    Array
+        Way of each node (n,) [m].
     """
     normal, move = shell.normal(0.5 * (start + end)), end - start
     along = move - np.sum(move * normal, axis=1)[:, None] * normal
@@ -30,9 +58,24 @@ def slid(start: Array, end: Array, pressed: Bools, shell: Shell) -> Array:
 
 
 def stuck(start: Array, place: Array, shell: Shell, rub: Array) -> Bools:
-    """Nodes (n,) that the force ``rub`` (n, 3) [N] along the ``shell`` holds where they were.
+    """Return which nodes friction on the shell holds where they were.
 
-    ``place`` (n, 3) [m] on the shell, where it is nearest to ``start`` (n, 3) [m], to rounding.
+    Parameters
+    ----------
+    start
+        Positions (n, 3) [m] at the step's start.
+    place
+        Where the contact with the shell puts the nodes (n, 3) [m].
+    shell
+        The shell.
+    rub
+        Force of friction along the shell (n, 3) [N].
+
+    Returns
+    -------
+    Bools
+        Nodes (n,) with friction whose place is, to rounding, the shell's nearest point to their
+        start.
     """
     there = np.abs(place - shell.project(start)).max(axis=1) <= EXACT * shell.size
     return np.asarray(there & rub.any(axis=1))

@@ -38,10 +38,10 @@ class Curvature:
 
 
 def curvature_of(mesh: Mesh) -> Curvature:
-    """The rows of ``mesh``, which give vectors along the normals of its own points.
+    """Return the rows that take positions to the curvature of ``mesh``.
 
-    The parabola takes five neighbours to be determined, which every node off the border of the
-    meshes in ``cloth`` has.
+    At the mesh's own points they give vectors along the normals. The parabola takes five neighbours
+    to be determined, which every node off the border of the meshes in ``cloth`` has.
     """
     size = len(mesh.points)
     gradients, areas = rest_gradients(mesh.points, mesh.triangles)
@@ -61,7 +61,7 @@ def curvature_of(mesh: Mesh) -> Curvature:
 
 
 def voronoi_areas(mesh: Mesh) -> Array:
-    """Each node's own area (n,) [m^2]: nearest points of its triangles, cut where obtuse.
+    """Return each node's own area (n,) [m^2]: its triangles' nearest points, cut where obtuse.
 
     Meyer et al., "Discrete differential-geometry operators" (2003), section 3.3.
     """
@@ -86,7 +86,7 @@ def voronoi_areas(mesh: Mesh) -> Array:
 
 
 def neighbours(triangles: Ints) -> Ints:
-    """Pairs (p, 2) of nodes that share an edge, each in both orders, sorted."""
+    """Return the pairs (p, 2) of nodes that share an edge, each in both orders, sorted."""
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     return np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
 

@@ -20,7 +20,7 @@ HARMLESS = 0.15  # thicknesses that a move away from touching nodes may have: se
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """What an end has to keep.
+    """The bounds that the end of a step has to keep.
 
     ``start`` (n, 3) [m], where the step began; ``volume`` [m^3] or None; ``response`` (n, 3)
     [m/Pa], what the datum moves. And the model's shell.
@@ -34,7 +34,9 @@ class Bounds:
 
 @dataclass(frozen=True, kw_only=True)
 class Ending:
-    """``position`` (n, 3) [m]; ``volume`` [m^3]; ``strain`` (m,), largest principal ones;
+    """The end of a step.
+
+    ``position`` (n, 3) [m]; ``volume`` [m^3]; ``strain`` (m,), largest principal ones;
     ``contact`` of the sheet with itself, None where it is not looked for; ``converged``: all
     bounds are kept, without holding nodes back from touching.
     """
@@ -51,7 +53,7 @@ class VolumeLostError(ArithmeticError):
 
 
 def ending(x: Array, bounds: Bounds) -> Ending:
-    """The end of a step whose iterate is ``x`` (n, 3) [m], changed as little as the bounds ask.
+    """Return the end of a step whose iterate is ``x`` (n, 3) [m], changed as little as bounds ask.
 
     Contact and volume each undo a little of the other, so they take turns; most steps need but a
     few millionths of a metre for the volume. Raises VolumeLostError.

@@ -42,7 +42,7 @@ class SheetLosses:
 
 
 def mean_losses(parts: Sequence[tuple[float, SheetLosses]]) -> SheetLosses:
-    """Over ``parts`` of a step, each with its length [s]; none of no parts."""
+    """Return the mean losses over ``parts`` of a step, each with its length [s]; 0 of no parts."""
     length = sum(dt for dt, _ in parts) or 1.0
     return SheetLosses(
         **{
@@ -53,7 +53,7 @@ def mean_losses(parts: Sequence[tuple[float, SheetLosses]]) -> SheetLosses:
 
 
 def sheet_energy(model: ClothModel, memory: Memory) -> SheetEnergy:
-    """Of a sheet that stands and moves as ``memory`` says."""
+    """Return the energies of a sheet that stands and moves as ``memory`` says."""
     x, v = memory.position, memory.velocity
     return SheetEnergy(
         kinetic=0.5 * float(model.mass @ np.einsum("id,id->i", v, v)),
@@ -63,12 +63,12 @@ def sheet_energy(model: ClothModel, memory: Memory) -> SheetEnergy:
 
 
 def sheet_losses(model: ClothModel, settings: Settings, memory: Memory, b: float) -> SheetLosses:
-    """What damping took in the step that led to ``memory``, of the implicit formula's ``b`` [s].
+    """Return the mean powers that damping took in the step that led to ``memory``.
 
-    ``b`` is that of ``cloth.inertia``; 0 where there was no step, which takes nothing. The
-    damping's forces are those of an implicit step, at its end, and their work is that on the
-    step's own displacement. The speed at the end times the length of the step would count
-    grid-scale trembling twice.
+    ``b`` [s] of the implicit formula is that of ``cloth.inertia``; 0 where there was no step, which
+    takes nothing. The damping's forces are those of an implicit step, at its end, and their work is
+    that on the step's own displacement. The speed at the end times the length of the step would
+    count grid-scale trembling twice.
     """
     x, v, dt = memory.position, memory.velocity, float(memory.previous_dt[0])
     if not (dt > 0.0 and b > 0.0):
@@ -91,13 +91,27 @@ def _normals(model: ClothModel, position: Array) -> Array:
 
 
 def stretch_energy(model: ClothModel, position: Array, rubber: Array | None = None) -> float:
-    """Energy [J] that the triangles at ``position`` (n, 3) [m] hold in their plane.
+    """Return the energy [J] that the triangles hold in their plane.
 
-    Plane stress of the ``rubber``'s own strain (m, 3), C m:m/2, and K/2 of the square of what its
-    wrinkles take up beyond it, K the compressive stiffness. Without ``rubber`` that of a sheet
-    without memory: T e^2/2 + K (f + nu e)^2/2 where the second principal strain f is slack,
+    Plane stress of the rubber's own strain m, C m:m/2, and K/2 of the square of what its
+    wrinkles take up beyond it, K the compressive stiffness. Of a sheet without memory:
+    T e^2/2 + K (f + nu e)^2/2 where the second principal strain f is slack,
     K (e^2 + f^2)/2 where both are; T is E t. These are the functions of which
     ``triangle_kernels.limited`` takes the proximal points, but for terms of K beside T.
+
+    Parameters
+    ----------
+    model
+        The sheet: triangles, areas and stiffnesses.
+    position
+        Positions of its nodes (n, 3) [m].
+    rubber
+        The rubber's own strain (m, 3) [-]; None for that of a sheet without memory.
+
+    Returns
+    -------
+    float
+        Energy of all triangles [J].
     """
     strain = triangle_strain(position, model.triangles, model.gradients)
     if rubber is None:
@@ -108,9 +122,23 @@ def stretch_energy(model: ClothModel, position: Array, rubber: Array | None = No
 
 
 def rubber_at(model: ClothModel, position: Array, rest: Array | None = None) -> tuple[Array, Bools]:
-    """The rubber's own strain (m, 3) at ``position`` (n, 3) [m], and where nothing pulls (m,).
+    """Return the rubber's own strain, and in which triangles nothing pulls.
 
-    ``rest``: the step's strain free of tension; None or (0, 3) of a sheet without memory.
+    Parameters
+    ----------
+    model
+        The sheet: triangles and stiffnesses.
+    position
+        Positions of its nodes (n, 3) [m].
+    rest
+        The step's strain free of tension (m, 3) [-]; None or (0, 3) of a sheet without memory.
+
+    Returns
+    -------
+    strain : Array
+        The rubber's own strain (m, 3) [-], as ``cloth.viscous`` defines it.
+    slack : Bools
+        Where nothing pulls (m,).
     """
     strain = triangle_strain(position, model.triangles, model.gradients)
     if rest is None or not len(rest):
@@ -121,11 +149,28 @@ def rubber_at(model: ClothModel, position: Array, rest: Array | None = None) -> 
 def stretch_loss(
     model: ClothModel, damping: float, change: Array, slack: Bools, dt: float
 ) -> float:
-    """Mean power [W] that the rubber loses in a step of ``dt`` [s] in which its strain changes.
+    """Return the mean power [W] that the rubber loses in a step in which its strain changes.
 
-    tau C d:d/dt per area of the ``change`` d (m, 3) in the step, tau the ``damping`` [s]. Where the
-    rubber is ``slack`` at the end (m,) no force acts, and all that it held before and does not
-    hold now is lost: C d:d/2 more.
+    tau C d:d/dt per area, with the change d of strain in the step. Where the rubber is slack at
+    the end no force acts, and all that it held before and does not hold now is lost: C d:d/2 more.
+
+    Parameters
+    ----------
+    model
+        The sheet: areas and stiffnesses.
+    damping
+        tau [s].
+    change
+        d (m, 3) [-].
+    slack
+        Where nothing pulls at the end (m,).
+    dt
+        Length of the step [s]; without length, as without damping, nothing is lost.
+
+    Returns
+    -------
+    float
+        Power of all triangles [W].
     """
     if not (damping > 0.0 and dt > 0.0):
         return 0.0

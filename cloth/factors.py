@@ -20,7 +20,7 @@ WIDEST = 64  # columns of a block
 
 @dataclass(frozen=True, kw_only=True)
 class Factor:
-    """L, unit lower triangular, and D = ``pivots`` (n,).
+    """The factors of a matrix L D L^T: L, unit lower triangular, and D = ``pivots`` (n,).
 
     Block s holds columns ``heads[s]`` to ``heads[s + 1]`` and, below its own triangle, the rows
     ``rows[row_starts[s]:row_starts[s + 1]]``. ``values`` from ``value_starts[s]``: the strict lower
@@ -35,14 +35,24 @@ class Factor:
     pivots: Array
 
     def solve(self, right: Array, order: Ints, result: Array) -> None:
-        """``result[order]`` = (L D L^T)^-1 ``right[order]``, both (m, 3), ``order`` (n,)."""
+        """Solve with the matrix on the nodes in ``order``, for three components at once.
+
+        Parameters
+        ----------
+        right
+            Right-hand side (m, 3), of which the rows in ``order`` are read.
+        order
+            Node of each of the factor's rows (n,).
+        result
+            ``result[order]`` becomes (L D L^T)^-1 ``right[order]``; the other rows of (m, 3) stay.
+        """
         solve_nodes(
             self.heads, self.row_starts, self.rows, self.value_starts, self.values, self.pivots,
             order, right, result,
         )  # fmt: skip
 
     def solved(self, right: Array, block: int = 48) -> Array:
-        """(L D L^T)^-1 ``right`` (n, k), in blocks of columns that stay in the cache."""
+        """Return (L D L^T)^-1 ``right`` (n, k), in blocks of columns that stay in the cache."""
         result = np.empty_like(right)
         for c in range(0, right.shape[1], block):
             part = right[:, c : c + block].copy()
@@ -55,9 +65,15 @@ class Factor:
 
 
 def factor_of(starts: Ints, rows: Ints, values: Array, pivots: Array) -> Factor:
-    """The blocks of L given by sorted columns without its diagonal.
+    """Return the factor with L in dense blocks, from its columns.
 
-    ``starts`` (n + 1,), ``rows``, ``values``; ``pivots`` (n,): D.
+    Parameters
+    ----------
+    starts, rows, values
+        L by columns, without its diagonal: column j holds ``values[starts[j]:starts[j + 1]]`` in
+        ``rows``, which must be sorted in each column; ``starts`` (n + 1,).
+    pivots
+        D (n,).
     """
     heads, row_starts, value_starts = _group(starts, rows)
     below = np.empty(row_starts[-1], dtype=np.int64)

@@ -43,14 +43,15 @@ def _polar(radius: float, rings: int, sectors: int) -> tuple[Array, Ints]:
 
 
 def disc(radius: float, rings: int, sectors: int) -> Mesh:
-    """A disc of ``radius`` [m] with a fixed rim: the centre, then ``rings`` of ``sectors`` nodes.
+    """Return a disc of ``radius`` [m] with a fixed rim: its centre, then rings of nodes round it.
 
-    Edges run along the rays, and all nodes but the centre are alike. A disc that wrinkles carries
-    its tension along the rays; in a mesh of half-turned rings, triangles on a chord shorten the
-    rays by the chord's sagitta, which is of first order in the grid, here of second. The price is
-    slender triangles near the centre: edges along and across a ray are equal at a distance of
-    ``sectors``/(2 pi rings) of the radius. The area falls short of the circle's by
-    (2 pi/sectors)^2/6. Raises ValueError for a number or a size that makes no disc.
+    There are ``rings`` of ``sectors`` nodes each. Edges run along the rays, and all nodes but the
+    centre are alike. A disc that wrinkles carries its tension along the rays; in a mesh of
+    half-turned rings, triangles on a chord shorten the rays by the chord's sagitta, which is of
+    first order in the grid, here of second. The price is slender triangles near the centre: edges
+    along and across a ray are equal at a distance of ``sectors``/(2 pi rings) of the radius. The
+    area falls short of the circle's by (2 pi/sectors)^2/6. Raises ValueError for a number or a size
+    that makes no disc.
     """
     points, triangles = _polar(radius, rings, sectors)
     return Mesh(
@@ -62,7 +63,7 @@ def disc(radius: float, rings: int, sectors: int) -> Mesh:
 
 
 def disc_pair(radius: float, rings: int, sectors: int) -> Mesh:
-    """Two discs of ``radius`` [m] on each other, joined along the rim: closed and free.
+    """Return two discs of ``radius`` [m] on each other, joined along the rim: closed and free.
 
     The upper disc's nodes come first, as those of ``disc``; then the lower disc's, without the
     rim. Each bulges by a millionth of the radius, so that triangles point outward and the rim has
@@ -88,7 +89,7 @@ def _to_rim(points: Array, radius: float) -> Array:
 
 
 def strip(length: float, width: float, segments: int) -> Mesh:
-    """A strip 0 <= x <= ``length``, |y| <= ``width``/2 [m], fixed at both ends, its edges free.
+    """Return a strip 0 <= x <= ``length``, |y| <= ``width``/2 [m], its ends fixed, its edges free.
 
     An even number of rows, at least two, as near to equilateral as the width allows: the strip is
     its own mirror image in y = 0. Nodes lie on lines of constant y, on the long edges at

@@ -22,11 +22,11 @@ class Kinematics:
 
     @property
     def prediction(self) -> Array:
-        """x~ (n, 3) [m]: the acceleration at x is (x - x~) / b^2."""
+        """Position x~ (n, 3) [m] without acceleration: that at x is (x - x~) / b^2."""
         return self.position_anchor + self.b * self.velocity_anchor
 
     def velocity(self, position: Array) -> Array:
-        """(n, 3) [m/s]."""
+        """Return the velocity (n, 3) [m/s] at the step's end, at ``position`` (n, 3) [m]."""
         return (position - self.position_anchor) / self.b
 
 
@@ -38,10 +38,21 @@ def kinematics(
     previous_position: Array,
     previous_velocity: Array,
 ) -> Kinematics:
-    """The step of ``dt`` [s] after one of ``previous_dt`` [s], 0 when there was none.
+    """Return the kinematics of a step from the positions and velocities at its start and before.
 
     Coefficients as in OpenFOAM's backwardDdtScheme: c = 1 + dt/(dt + dt0),
     c00 = dt^2/(dt0 (dt + dt0)), c0 = c + c00.
+
+    Parameters
+    ----------
+    dt
+        Length of the step [s].
+    previous_dt
+        Length dt0 of the step before [s]; 0 when there was none, which gives implicit Euler.
+    position, velocity
+        At the step's start (n, 3) [m, m/s].
+    previous_position, previous_velocity
+        At the start of the step before (n, 3) [m, m/s].
     """
     if previous_dt <= 0.0:
         return Kinematics(b=dt, position_anchor=position, velocity_anchor=velocity)

@@ -51,7 +51,7 @@ class Iteration:
         self.moves: list[float] = []  # rms displacement [m] of every iteration
 
     def advance(self) -> None:
-        """One iteration."""
+        """Do one iteration: forces and constraints at the present iterate, then a linear solve."""
         p, model, bent = self.problem, self.problem.model, self.problem.model.bending
         rhs, gradient = self.force.copy(), self.gradient
         r = p.settings.relaxation if self.done else 1.0
@@ -132,7 +132,7 @@ class Iteration:
             self.self_rub[:] = 0.0
 
     def finish(self) -> Solution:
-        """The iterate made admissible: see ``cloth.ending``.
+        """Return the iterate made admissible: see ``cloth.ending``.
 
         Raises ArithmeticError instead of returning a position that is not finite.
         """

@@ -12,7 +12,7 @@ CLOSEST = 1e-6  # of the way to a pole, to which the level does not come
 
 
 def level_shape(model: ClothModel, volume: float) -> Array:
-    """Positions (n, 3) [m] of a moulded sheet that lies flat on ``volume`` [m^3] of liquid.
+    """Return positions (n, 3) [m] of a moulded sheet that lies flat on ``volume`` [m^3] of liquid.
 
     With gravity along -z. From the clamped rim to the level z = h the sheet lies on the shell, up
     or down it, each ring as far from the rim along the shell's meridian as it is moulded. The rest,

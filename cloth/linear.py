@@ -12,7 +12,24 @@ from cloth.factors import factor_of
 
 
 def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) -> sp.csc_matrix:
-    """sum_t weight_t g_t g_t^T (n, n) [N/m], ``weight`` (m,) [N m]: the rest-metric Laplacian."""
+    """Return the Laplacian in the moulded metric, sum_t weight_t g_t g_t^T.
+
+    Parameters
+    ----------
+    triangles
+        Nodes of each triangle (m, 3).
+    gradients
+        g (m, 3, 2) [1/m], as ``cloth.mesh.rest_gradients`` returns them.
+    weight
+        Weight of each triangle (m,) [N m]: a stiffness times an area.
+    size
+        Number n of nodes.
+
+    Returns
+    -------
+    csc_matrix
+        The matrix (n, n) [N/m], the same for x, y and z; [-] where ``weight`` is an area.
+    """
     blocks = weight[:, None, None] * np.einsum("tie,tje->tij", gradients, gradients)
     rows = np.repeat(triangles[:, :, None], 3, axis=2)
     columns = np.repeat(triangles[:, None, :], 3, axis=1)
@@ -20,8 +37,9 @@ def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) 
 
 
 class System:
-    """A = S (x) I_3 + B^T B on the free nodes; fixed nodes hold their position.
+    """The linear system of a step, factorised: fixed nodes hold their position.
 
+    A = S (x) I_3 + B^T B on the free nodes.
     S (n, n) [N/m] is symmetric positive definite and the same for x, y and z.
     """
 
@@ -48,11 +66,14 @@ class System:
 
     @property
     def fill(self) -> int:
-        """Entries of L below its diagonal."""
+        """Number of entries of L below its diagonal."""
         return len(self._factor.values)
 
     def lift(self, positions: Array, fixed: Bools) -> Array:
-        """What fixed nodes at ``positions`` (n, 3) add to the right-hand side (n, 3) [N]."""
+        """Return what fixed nodes at ``positions`` (n, 3) [m] add to the right-hand side.
+
+        ``fixed`` (n,) are those nodes. Forces (n, 3) [N], zero on the fixed nodes.
+        """
         result = np.zeros_like(positions)
         result[self._free] = -(self._boundary @ positions[fixed])
         return result
@@ -79,7 +100,7 @@ class System:
         self._directions = z.reshape(rank, -1)
 
     def solve(self, right: Array) -> Array:
-        """A^-1 ``right`` (n, 3); zero on the fixed nodes."""
+        """Return A^-1 ``right`` (n, 3) [m], of forces [N]; zero on the fixed nodes."""
         x = np.zeros((self.count, 3))
         self._factor.solve(right, self._order, x)
         if self._directions is not None:

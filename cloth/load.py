@@ -20,7 +20,7 @@ class Load(Protocol):
 
     @property
     def density(self) -> float:
-        """Of the liquid [kg/m^3]."""
+        """Density of the liquid [kg/m^3]."""
 
     @property
     def body_force(self) -> Array:
@@ -28,7 +28,7 @@ class Load(Protocol):
 
     @property
     def volume(self) -> float | None:
-        """Of the liquid [m^3], where it is a constraint."""
+        """Volume of the liquid [m^3], where it is a constraint."""
 
     @property
     def datum(self) -> float | None:
@@ -61,13 +61,13 @@ class Settings:
 
 
 def pressure_scale(load: Load, size: float) -> float:
-    """P [Pa]: rho |b| L over the sheet's ``size`` L [m], or a given datum where that is more."""
+    """Return P [Pa], rho |b| L with the sheet's ``size`` L [m], or a given datum where larger."""
     hydrostatic = load.density * float(np.linalg.norm(load.body_force)) * size
     return max(hydrostatic, abs(load.datum or 0.0))
 
 
 def penalty_of(load: Load, *, size: float, inertia: float, compressive: float = 0.0) -> float:
-    """The penalty k [N/m] in proportion to what a step has to hold.
+    """Return the penalty k [N/m], in proportion to what a step has to hold.
 
     The larger of the pressure's tension, P L with the ``pressure_scale`` P over the sheet's
     ``size`` L [m], of its ``inertia`` [N/m], rho_d t L^2/b^2 with the step's time b, and of its

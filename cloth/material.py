@@ -73,16 +73,16 @@ class Diaphragm:
 
     @property
     def bending_stiffness(self) -> float:
-        """kappa = E t^3 / (12 (1 - nu^2)) [N m], the thin plate's."""
+        """Bending stiffness kappa = E t^3 / (12 (1 - nu^2)) [N m], the thin plate's."""
         return float(self.bending_stiffness_at(np.array(self.thickness)))
 
     def bending_stiffness_at(self, thickness: Array) -> Array:
-        """The same where the sheet is ``thickness`` [m] thick, of any shape."""
+        """Return the bending stiffness [N m] of a sheet ``thickness`` [m] thick, of any shape."""
         return self.youngs_modulus * thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
 
     @property
     def membrane_stiffness(self) -> float:
-        """E t [N/m], tension per strain in one direction."""
+        """Membrane stiffness E t [N/m], tension per strain in one direction."""
         return self.youngs_modulus * self.thickness
 
 
@@ -93,9 +93,10 @@ def diaphragm(
     youngs_modulus: float | None = None,
     poisson_ratio: float | None = None,
 ) -> Diaphragm:
-    """A sheet of a built-in ``elastomer``, ``thickness`` [m]; given values replace built-in ones.
+    """Return a sheet of a built-in ``elastomer``, ``thickness`` [m]; given values replace its own.
 
-    SIFA-35 has no modulus in its source: ``youngs_modulus`` [Pa] must be given for it.
+    SIFA-35 has no modulus in its source: ``youngs_modulus`` [Pa] must be given for it. Raises
+    ValueError for an unknown elastomer, and where no modulus is known.
     """
     if elastomer not in ELASTOMERS:
         known = ", ".join(sorted(ELASTOMERS))

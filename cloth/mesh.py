@@ -51,7 +51,7 @@ def _strip(inner: Array, outer: Array, i0: int, o0: int) -> list[tuple[int, int,
 
 
 def hemisphere(radius: float, rings: int, *, density: float = 1.0) -> Mesh:
-    """``moulded`` of the hemisphere z >= 0 of ``radius`` [m].
+    """Return a mesh of the hemisphere z >= 0 of ``radius`` [m], made by ``moulded``.
 
     ``density`` 1 makes the triangles near equilateral (edges within a factor 1.54): 746 nodes at
     18 rings, 1316 at 24. A lower one stretches them along the rings (0.54: 713 nodes at 24, factor
@@ -61,7 +61,7 @@ def hemisphere(radius: float, rings: int, *, density: float = 1.0) -> Mesh:
 
 
 def moulded(mould: Mould, rings: int, *, density: float = 1.0) -> Mesh:
-    """A mesh of the ``mould``, its rim exactly on z = 0.
+    """Return a mesh of the ``mould``, its rim exactly on z = 0.
 
     A node at the pole and ``rings`` rings at equal steps ds of the meridian's arc length, ring k
     with round(density 2 pi r_k cos(30 deg) / ds) nodes (at least six), every second ring turned by
@@ -100,10 +100,25 @@ def moulded(mould: Mould, rings: int, *, density: float = 1.0) -> Mesh:
 
 
 def rest_gradients(points: Array, triangles: Ints) -> tuple[Array, Array]:
-    """Gradients (m, 3, 2) [1/m] and areas (m,) [m^2] of the moulded triangles.
+    """Return the gradients of the triangles' hat functions in the moulded shape, and their areas.
 
     With g the gradients, F = sum_i x_i g_i^T (3 x 2) maps a triangle's moulded plane to space; its
     singular values are the principal stretches.
+
+    Parameters
+    ----------
+    points
+        Moulded positions (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3); that none has zero area is not checked.
+
+    Returns
+    -------
+    gradients : Array
+        One row a corner (m, 3, 2) [1/m], in axes of each triangle's plane, the first along its
+        first edge.
+    areas : Array
+        Areas (m,) [m^2].
     """
     e1 = points[triangles[:, 1]] - points[triangles[:, 0]]
     e2 = points[triangles[:, 2]] - points[triangles[:, 0]]
@@ -116,7 +131,10 @@ def rest_gradients(points: Array, triangles: Ints) -> tuple[Array, Array]:
 
 
 def lumped(mesh: Mesh, per_area: Array | float = 1.0) -> Array:
-    """A third of every adjoining triangle's moulded area times ``per_area`` (m,), summed: (n,)."""
+    """Return an area density lumped to the nodes (n,): a third of every adjoining triangle's share.
+
+    A triangle's share is its moulded area [m^2] times ``per_area`` (m,), in any unit per area.
+    """
     _, areas = rest_gradients(mesh.points, mesh.triangles)
     result = np.zeros(len(mesh.points))
     np.add.at(result, mesh.triangles.ravel(), np.repeat(areas * per_area / 3.0, 3))
@@ -124,9 +142,10 @@ def lumped(mesh: Mesh, per_area: Array | float = 1.0) -> Array:
 
 
 def corners_of(triangles: Ints, size: int) -> tuple[Ints, Ints]:
-    """The corners at each of ``size`` nodes: from ``starts`` (size + 1,), in rows (3 m, 2).
+    """Return the triangles' corners sorted by node: where each node's begin, and the corners.
 
-    A row is a triangle and which of its corners, 0 to 2.
+    Those of node i of ``size`` are the rows ``starts[i]`` to ``starts[i + 1]`` of (3 m, 2), with
+    ``starts`` (size + 1,). A row is a triangle and which of its corners, 0 to 2.
     """
     nodes = triangles.ravel()
     order = np.argsort(nodes, kind="stable")
@@ -135,7 +154,7 @@ def corners_of(triangles: Ints, size: int) -> tuple[Ints, Ints]:
 
 
 def border_nodes(triangles: Ints) -> Ints:
-    """Nodes on edges of one triangle only, sorted; none where the sheet is closed."""
+    """Return the nodes on edges of one triangle only, sorted; none where the sheet is closed."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     pairs, count = np.unique(edges, axis=0, return_counts=True)
     return np.unique(pairs[count == 1])

@@ -76,36 +76,38 @@ class ClothModel:
         self.below_rim = shell.volume_below(0.0)
 
     def volume(self, position: Array) -> float:
-        """Liquid volume [m^3] below the cloth at ``position``: the shell's below the rim, the cone.
+        """Return the volume [m^3] of the liquid: the shell's below the rim, and the cone's.
 
-        Without a shell the cone alone: what a closed sheet encloses.
+        The cone is the one from the origin over the cloth at ``position`` (n, 3) [m]. Without a
+        shell it is the cone alone: what a closed sheet encloses.
         """
         return self.volume_and_gradient(position)[0]
 
     def volume_and_gradient(self, position: Array) -> tuple[float, Array]:
-        """The same and its derivative (n, 3) [m^2], zero on the fixed nodes."""
+        """Return the liquid's volume [m^3] and its derivative (n, 3) [m^2], zero on fixed nodes."""
         gradient = np.empty_like(position)
         cone = kernels.volume_and_gradient(position, self.triangles, self.free, gradient)
         return self.below_rim + float(cone), gradient
 
     def shell_penalty(self, settings: Settings, penalty: float) -> Array:
-        """Penalty of the shell (n,) [N/m] with the stretch's ``penalty`` [N/m]; 0 if fixed."""
+        """Return the shell's penalty (n,) [N/m] for the stretch's ``penalty`` [N/m]; 0 if fixed."""
         if self.shell is NO_SHELL:
             return np.zeros(len(self.mass))
         share = self.mass / self.mass[self.free].mean()
         return np.where(self.free, settings.shell_weight * penalty * share, 0.0)
 
     def stiffness(self, settings: Settings, dt: float) -> tuple[Array, Array]:
-        """``tensile`` and ``compressive`` (m,) [N/m] of a step of ``dt`` [s] (``cloth.viscous``).
+        """Return the stretch's stiffnesses in a step of ``dt`` [s], as ``cloth.viscous`` has them.
 
-        A relaxed sheet's ``compressive`` is no rubber's, and loses nothing.
+        In place of ``tensile`` and ``compressive`` (m,) [N/m]. A relaxed sheet's ``compressive``
+        is no rubber's, and loses nothing.
         """
         stiffer = 1.0 + settings.stretch_damping / dt
         whole = self.compressive >= self.tensile
         return stiffer * self.tensile, np.where(whole, stiffer, 1.0) * self.compressive
 
     def bending_force(self, position: Array) -> Array:
-        """-dE/dx (n, 3) [N] of the bending energy; means nothing on fixed nodes."""
+        """Return the force -dE/dx (n, 3) [N] of the bending energy; no meaning on fixed nodes."""
         _, gradient = self.volume_and_gradient(position)
         bent, force = self.bending, self.held_normals_force(position)
         node_kernels.bending_turning_step(
@@ -115,8 +117,9 @@ class ClothModel:
         return force
 
     def held_normals_force(self, position: Array) -> Array:
-        """The same but for what turns the normals: its rate is what bending's damping resists.
+        """Return the bending force (n, 3) [N] but for what turns the normals.
 
+        Its rate is what bending's damping resists.
         That damping may be hundreds of times as stiff in a step as the energy; an explicit part of
         it that stretches the sheet keeps the iteration from converging in sharp folds.
         """
@@ -129,7 +132,10 @@ class ClothModel:
         return force
 
     def system(self, settings: Settings, penalty: float, b: float) -> System:
-        """S = M (1 + alpha b)/b^2 + k L + Q (1 + tau_b/b) + w_c, factorised; k the ``penalty``."""
+        """Return a step's factorised matrix for the ``penalty`` k [N/m] and the time ``b`` [s].
+
+        S = M (1 + alpha b)/b^2 + k L + Q (1 + tau_b/b) + w_c.
+        """
         size = len(self.mass)
         diagonal = self.mass * (1.0 + settings.drag * b) / b**2
         diagonal += self.shell_penalty(settings, penalty)

@@ -16,14 +16,16 @@ class Mould(Protocol):
 
     @property
     def length(self) -> float:
-        """Of the meridian [m]."""
+        """Length of the meridian [m]."""
 
     def ring(self, number: int, rings: int) -> tuple[float, float]:
-        """Radius and height [m] of the meridian's point after ``number`` of ``rings`` even parts,
-        from the pole."""
+        """Return radius and height [m] of a point of the meridian, a parallel circle of the mould.
+
+        It is the one after ``number`` of ``rings`` even parts of the meridian, from the pole.
+        """
 
     def directions(self, points: Array) -> Array:
-        """The chart: ``points`` (n, 3) [m] of the mould on the unit hemisphere (n, 3).
+        """Map ``points`` (n, 3) [m] of the mould to the unit hemisphere (n, 3), as its chart.
 
         At the same azimuth, at the polar angle pi/2 s/length for an arc length s from the pole.
         """
@@ -37,16 +39,16 @@ class Hemisphere:
 
     @property
     def length(self) -> float:
-        """Of the meridian [m]."""
+        """Length of the meridian [m]."""
         return 0.5 * math.pi * self.radius
 
     def ring(self, number: int, rings: int) -> tuple[float, float]:
-        """Radius and height [m] of a parallel circle, see ``Mould``; the rim's height is exact."""
+        """Return radius and height [m] of a parallel circle, see ``Mould``; exact at the rim."""
         if number == rings:
             return self.radius, 0.0
         polar = number * (0.5 * np.pi / rings)
         return self.radius * float(np.sin(polar)), self.radius * float(np.cos(polar))
 
     def directions(self, points: Array) -> Array:
-        """The chart: ``points`` (n, 3) [m] of the mould on the unit hemisphere (n, 3)."""
+        """Map ``points`` (n, 3) [m] of the mould to the unit hemisphere (n, 3), as its chart."""
         return np.asarray(points / self.radius)

@@ -144,9 +144,39 @@ def node_step(
     drag: Array,
     rhs: Array,
 ) -> None:
-    """``contact_step``, bending's two steps and ``normal_drag_step`` in one call.
+    """Add what acts on the nodes to ``rhs``: shell contact, bending and drag, in one call.
 
-    ``damped`` (n,) is the moment [N m^3] of ``bending_rest_step``, ``moment`` that of the other.
+    It calls ``contact_step``, ``bending_rest_step``, ``bending_turning_step`` and
+    ``normal_drag_step`` in this order; see ``cloth.node_reference`` for each.
+
+    Parameters
+    ----------
+    x
+        Positions (n, 3) [m].
+    profile
+        The shell, as ``cloth.shell.kernels`` describes it.
+    weight
+        Penalty of the shell (n,) [N/m]; 0 leaves a node out.
+    relaxation, friction
+        Over-relaxation r [-], and Coulomb's coefficient on the shell [-].
+    start
+        Positions (n, 3) [m] at the step's start.
+    z, u
+        Place within the shell and scaled dual (n, 3) [m]; both are changed.
+    rub
+        Becomes the friction that each node exerts on the shell (n, 3) [N].
+    triangles
+        Nodes of each triangle (m, 3).
+    gradient
+        Gradient of the volume (n, 3) [m^2], along the normals.
+    starts, columns, values
+        Rows of R [1/m^3], as in ``cloth.bending.Bending``.
+    moment, damped
+        The nodes' moment (n,) [N m^3] in ``bending_turning_step``, and in ``bending_rest_step``.
+    anchor, drag
+        Position anchor of the step (n, 3) [m], and drag (n,) [N/m].
+    rhs
+        Forces (n, 3) [N], to which all is added.
     """
     contact_step(x, profile, weight, relaxation, friction, start, z, u, rub, rhs)
     bending_rest_step(gradient, starts, columns, values, damped, rhs)

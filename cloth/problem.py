@@ -17,8 +17,9 @@ from cloth.self_contact.result import Contact
 
 @dataclass(frozen=True, kw_only=True)
 class StepProblem:
-    """What is held during a step. ``constant_force`` (n, 3) [N] does not depend on the iterate.
+    """A step to be solved: what is held during it.
 
+    ``constant_force`` (n, 3) [N] does not depend on the iterate.
     ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
     the iteration sets out; ``penalty`` [N/m] is the stretch's; ``rest`` (m, 3) is the strain free
     of tension, (0, 3) where that is none.
@@ -76,11 +77,27 @@ def constant_force(
     body_force: Array,
     rows: Array | None,
 ) -> Array:
-    """Inertia, weight, damping and rim (n, 3) [N]; ``rows`` (r, n, 3) [sqrt(N/m)] are B/b.
+    """Return what no iteration changes in the right-hand side: inertia, weight, damping and rim.
 
     The damping is tau_b times the rate of the bending force but for what turns the normals, the
     moulded curvature's part included: Q alone would damp the rotation of a curved sheet that does
     not bend.
+
+    Parameters
+    ----------
+    model, settings, system
+        The sheet, its damping, and the step's matrix.
+    kin
+        Kinematics of the step.
+    body_force
+        Gravity less the tank's acceleration (3,) [m/s^2].
+    rows
+        B/b of the liquid's inertia (r, n, 3) [sqrt(N/m)]; None without one.
+
+    Returns
+    -------
+    Array
+        Nodal forces (n, 3) [N], zero on the fixed nodes.
     """
     b, anchor = kin.b, kin.position_anchor
     inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)

@@ -13,9 +13,9 @@ TOUCHING = 1e-6  # of the shell's size, within which a node lies on it
 
 
 def stress(model: ClothModel, position: Array) -> Array:
-    """dW/dF (m, 3, 2) [N/m] of the triangles at ``position`` (n, 3) [m].
+    """Return the stress dW/dF (m, 3, 2) [N/m] of the triangles at ``position`` (n, 3) [m].
 
-    The law whose proximal points ``cloth.reference.limited`` takes.
+    W is the law whose proximal points ``cloth.reference.limited`` takes.
     """
     stretch = np.einsum("tid,tie->tde", position[model.triangles], model.gradients)
     left, sigma, right = np.linalg.svd(stretch, full_matrices=False)
@@ -31,12 +31,28 @@ def stress(model: ClothModel, position: Array) -> Array:
 def residual(
     model: ClothModel, load: Load, position: Array, datum: float, contact_force: Array
 ) -> float:
-    """Norm over all free nodes of the force that is left, over P L^2 [-], P the ``pressure_scale``.
+    """Return the norm over all free nodes of the force that is left, over P L^2.
 
-    Stress, bending, weight and pressure at ``position`` (n, 3) [m], with ``datum`` [Pa], less the
-    ``contact_force`` (n, 3) [N] that the sheet exerts on the shell and on itself. A node on the
-    shell keeps its tangential part alone where what is left points outward: the shell bears the
-    rest. Whether contact forces between parts of the sheet balance is not checked.
+    Stress, bending, weight and pressure, less the contact forces; P is the ``pressure_scale``, L
+    the sheet's size. A node on the shell keeps its tangential part alone where what is left points
+    outward: the shell bears the rest. Whether contact forces between parts of the sheet balance is
+    not checked.
+
+    Parameters
+    ----------
+    model, load
+        The sheet, and the liquid's density and body force.
+    position
+        Positions (n, 3) [m].
+    datum
+        Pressure at the origin [Pa].
+    contact_force
+        What the sheet exerts on the shell and on itself (n, 3) [N].
+
+    Returns
+    -------
+    float
+        The residual [-].
     """
     scale = pressure_scale(load, model.size)
     force = model.mass[:, None] * load.body_force - contact_force + model.bending_force(position)

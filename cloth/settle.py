@@ -36,7 +36,7 @@ class _Turned:
 
 @dataclass(frozen=True, kw_only=True)
 class Settled:
-    """``steps`` done; ``residual`` [-], see ``cloth.residual``; ``converged``."""
+    """How settling ended: ``steps`` done, ``residual`` [-] of ``cloth.residual``, ``converged``."""
 
     steps: int
     residual: float
@@ -55,7 +55,14 @@ class _Momentum:
         self.cap, self.age, self.best = MOMENTUM, 0, np.inf
 
     def factor(self, step: Array, motion: Array) -> float:
-        """Share of the last change to add; ``step``, ``motion`` (n, 3) [m] without and with it."""
+        """Return the share of the last change that is added to the state.
+
+        Parameters
+        ----------
+        step, motion
+            Change in the last step (n, 3) [m], from where momentum had put the sheet, and from the
+            state before that.
+        """
         moved = float(np.linalg.norm(step))
         self.best = min(self.best, moved)
         if moved > 3.0 * self.best:

@@ -34,7 +34,7 @@ class ClothState:
 
 
 def principal_tension(tension: Array) -> Array:
-    """Larger singular value (m,) of every ``tension`` (m, 3, 2), in its unit."""
+    """Return the larger singular value (m,) of every ``tension`` (m, 3, 2), in its unit."""
     first, second = tension[:, :, 0], tension[:, :, 1]
     a = np.einsum("td,td->t", first, first)
     b = np.einsum("td,td->t", first, second)
@@ -72,7 +72,10 @@ class Memory:
 
     @classmethod
     def at_rest(cls, position: Array, triangles: int, volume: float) -> Memory:
-        """At rest at ``position`` (n, 3) [m], without tension, contact or history."""
+        """Return the memory of a sheet at rest, without tension, contact or history.
+
+        ``position`` (n, 3) [m], number of ``triangles``, ``volume`` [m^3] of the liquid.
+        """
         still = np.zeros_like(position)
         return cls(
             position=position.copy(),
@@ -93,12 +96,15 @@ class Memory:
         )
 
     def save(self) -> dict[str, Array]:
-        """Copies of all arrays, by name."""
+        """Return copies of all arrays, by name."""
         return {f.name: np.array(getattr(self, f.name)) for f in fields(self)}
 
     @classmethod
     def restored(cls, saved: Mapping[str, Array], like: Memory) -> Memory:
-        """The reverse of ``save``; names and shapes must be those of ``like``."""
+        """Return the memory that ``save`` wrote; names and shapes must be those of ``like``.
+
+        Raises ValueError where one is missing or has another shape.
+        """
         values: dict[str, Array] = {}
         for f in fields(cls):
             if f.name not in saved:
@@ -115,7 +121,7 @@ class Memory:
 
 
 def state_of(memory: Memory) -> ClothState:
-    """The state that ``memory`` is of, in copies."""
+    """Return the state of the sheet in ``memory``, in copies."""
     m = memory
     return ClothState(
         position=m.position.copy(),

@@ -150,12 +150,12 @@ class Cloth:
         return self._kin
 
     def inertial_prediction(self) -> Array:
-        """x~ (n, 3) [m] of this step: its acceleration at x is (x - x~) / acceleration_scale."""
+        """Return x~ (n, 3) [m]: the acceleration at x is (x - x~) / acceleration_scale."""
         return self._begun().prediction
 
     @property
     def acceleration_scale(self) -> float:
-        """b^2 [s^2] of this step's implicit formula (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""
+        """Scale b^2 [s^2] of this step's accelerations (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""
         return self._begun().b ** 2
 
     @property
@@ -169,7 +169,7 @@ class Cloth:
         return self._solution is None or self._solution.converged
 
     def solve(self, force: Array, *, alone: bool = False) -> Array:
-        """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
+        """Return positions (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 
         The first solve of a step decides the number of iterations and which parts of the sheet
         touch, and the following ones keep to it, so that the answer is a continuous function of
@@ -218,18 +218,18 @@ class Cloth:
         return state_of(self._memory)
 
     def energy(self) -> SheetEnergy:
-        """Of the committed state."""
+        """Return the energies of the committed state."""
         return sheet_energy(self.model, self._memory)
 
     def losses(self) -> SheetLosses:
-        """In the step accepted last; none before the first."""
+        """Return what was lost in the step accepted last; none before the first."""
         return self._losses
 
     def save(self) -> dict[str, Array]:
-        """Everything ``restore`` needs to go on bit for bit."""
+        """Return everything ``restore`` needs to go on bit for bit."""
         return self._memory.save()
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; raises ValueError when names or shapes differ."""
+        """Go back to what ``save`` returned; raises ValueError when names or shapes differ."""
         self._memory = Memory.restored(saved, self._memory)
         self._kin, self._losses = None, SheetLosses()

@@ -19,7 +19,15 @@ def substitute(
     pivots: Array,
     work: Array,
 ) -> None:
-    """Overwrite ``work`` (n, k) with (L D L^T)^-1 work; see ``Factor``."""
+    """Overwrite ``work`` with (L D L^T)^-1 work, for any number of columns.
+
+    Parameters
+    ----------
+    heads, row_starts, rows, value_starts, values, pivots
+        The blocks of L and the diagonal of D, as ``cloth.factors.Factor`` describes them.
+    work
+        Right-hand sides (n, k), the nodes in the factor's order; becomes the solutions.
+    """
     columns, blocks = work.shape[1], len(heads) - 1
     for s in range(blocks):
         head, width, q = heads[s], heads[s + 1] - heads[s], value_starts[s]
@@ -56,7 +64,15 @@ def substitute(
 def forwards(
     heads: Ints, row_starts: Ints, rows: Ints, value_starts: Ints, values: Array, work: Array
 ) -> None:
-    """Overwrite ``work`` (n, 4) with L^-1 work, four rows at a time."""
+    """Overwrite ``work`` with L^-1 work, four rows at a time.
+
+    Parameters
+    ----------
+    heads, row_starts, rows, value_starts, values
+        The blocks of L, as ``cloth.factors.Factor`` describes them.
+    work
+        Right-hand sides (n, 4), the nodes in the factor's order; becomes the result.
+    """
     every = np.arange(len(work))
     for s in range(len(heads) - 1):
         head, width, q = heads[s], heads[s + 1] - heads[s], value_starts[s]
@@ -85,7 +101,15 @@ def backwards(
     pivots: Array,
     work: Array,
 ) -> None:
-    """Overwrite ``work`` (n, 4) with (D L^T)^-1 work, four columns of L at a time."""
+    """Overwrite ``work`` with (D L^T)^-1 work, four columns of L at a time.
+
+    Parameters
+    ----------
+    heads, row_starts, rows, value_starts, values, pivots
+        The blocks of L and the diagonal of D, as ``cloth.factors.Factor`` describes them.
+    work
+        What ``forwards`` leaves (n, 4); becomes the solution.
+    """
     every = np.arange(len(work))
     for s in range(len(heads) - 2, -1, -1):
         head, width, triangle = heads[s], heads[s + 1] - heads[s], value_starts[s]
@@ -126,7 +150,21 @@ def solve_nodes(
     right: Array,
     result: Array,
 ) -> None:
-    """See ``Factor.solve``."""
+    """Solve L D L^T x = b for the nodes' three components at once, as ``Factor.solve`` does.
+
+    A fourth component of zeros fills the vectors that the loops work with.
+
+    Parameters
+    ----------
+    heads, row_starts, rows, value_starts, values, pivots
+        The blocks of L and the diagonal of D, as ``cloth.factors.Factor`` describes them.
+    order
+        Node of each row of the factor (n,).
+    right
+        Right-hand side (m, 3), of which the rows in ``order`` are read.
+    result
+        Solution (m, 3); its rows in ``order`` are filled, the others stay.
+    """
     work = np.empty((len(order), 4))
     for i in range(len(order)):
         for d in range(3):

@@ -32,10 +32,17 @@ def limited(
 def project_stretch(
     square: Array, penalty: Array, tensile: Array, compressive: Array, poisson: float
 ) -> None:
-    """Overwrite y^T y, the columns xx, xy, yy of ``square`` (3 m,), with the P of z = y P.
+    """Overwrite the square y^T y of the stretch asked for with the P of z = y P.
 
     P = V diag(sigma'/sigma) V^T. A loop without branches over few arrays of one dimension, which
     the compiler takes several triangles at a time.
+
+    Parameters
+    ----------
+    square
+        y^T y (3 m,) [-], three numbers xx, xy, yy a triangle; becomes P in the same order.
+    penalty, tensile, compressive, poisson
+        As in ``cloth.reference.limited``: the first three (m,) [N/m].
     """
     for t in range(len(penalty)):
         a, b, c = square[3 * t], square[3 * t + 1], square[3 * t + 2]
@@ -67,10 +74,11 @@ def project_shifted(
     compressive: float,
     poisson: float,
 ) -> tuple[float, float, float]:
-    """The same P where the strain ``rest`` (3,) is free of tension: see ``cloth.viscous``.
+    """Return ``project_stretch``'s P where the strain ``rest`` (3,) [-] is free of tension.
 
     U = 1 + rest + g of the g that ``limited`` leaves of sqrt(y^T y) - 1 - rest, and z = y P is the
-    nearest to y of all with that U: P = U (U y^T y U)^(-1/2) U.
+    nearest to y of all with that U: P = U (U y^T y U)^(-1/2) U. ``a``, ``b``, ``c`` [-] are y^T y,
+    as xx, xy, yy, and so is the result. See ``cloth.viscous``.
     """
     root = math.sqrt(max(a * c - b * b, 1e-24))
     size = math.sqrt(a + c + 2.0 * root)

@@ -24,16 +24,32 @@ from cloth.arrays import Array, Bools, Ints
 
 
 def triangle_strain(position: Array, triangles: Ints, gradients: Array) -> Array:
-    """Strain (m, 3) [-] of the triangles at ``position`` (n, 3) [m]."""
+    """Return Biot's strain of the triangles, see the module's text.
+
+    Parameters
+    ----------
+    position
+        Positions (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3).
+    gradients
+        Of the moulded triangles (m, 3, 2) [1/m], as ``cloth.mesh.rest_gradients`` returns them.
+
+    Returns
+    -------
+    Array
+        Strain (m, 3) [-], as xx, xy, yy in the moulded triangles' own axes.
+    """
     strain = np.empty((len(triangles), 3))
     kernels.triangle_strains(position, triangles, gradients, strain)
     return strain
 
 
 def free_strain(rubber: Array, ratio: float) -> Array:
-    """Strain (m, 3) free of tension, of the ``rubber``'s own (m, 3) at a step's start.
+    """Return the strain (m, 3) [-] free of tension in a step, (0, 3) for a sheet without memory.
 
-    ``ratio``: c = tau/dt; (0, 3) where that is 0, of a sheet without memory.
+    ``rubber`` (m, 3) [-] is the rubber's own strain at the step's start; ``ratio`` is c = tau/dt,
+    0 for a sheet without memory.
     """
     return ratio / (1.0 + ratio) * rubber if ratio > 0.0 else np.empty((0, 3))
 
@@ -51,10 +67,26 @@ def _principal(strain: Array) -> tuple[Array, Array, Array, Array]:
 def rubber_strain(
     strain: Array, rest: Array, tensile: Array, compressive: Array, poisson: float
 ) -> tuple[Array, Bools]:
-    """The rubber's own strain (m, 3) in triangles of ``strain`` (m, 3), and where nothing pulls.
+    """Return the rubber's own strain in triangles of a given strain, and where nothing pulls.
 
-    ``rest`` (m, 3): the strain that is free of tension; ``tensile`` and ``compressive`` (m,) [N/m]
-    as in ``cloth.reference.limited``: a sheet that resists compression fully has no wrinkles.
+    Parameters
+    ----------
+    strain
+        Strain of the triangles (m, 3) [-].
+    rest
+        The strain that is free of tension (m, 3) [-].
+    tensile, compressive
+        Stiffnesses (m,) [N/m] as in ``cloth.reference.limited``: a sheet that resists compression
+        fully has no wrinkles.
+    poisson
+        Poisson's ratio [-].
+
+    Returns
+    -------
+    strain : Array
+        The rubber's own strain (m, 3) [-].
+    slack : Bools
+        Where nothing pulls (m,).
     """
     mean, spread, cosine, sine = _principal(strain - rest)
     e, f = mean + spread, mean - spread
@@ -68,12 +100,27 @@ def rubber_strain(
 
 
 def plane_stress_energy(strain: Array, tensile: Array, poisson: float) -> Array:
-    """C m:m / 2 (m,) [J/m^2] of the rubber's ``strain`` m (m, 3)."""
+    """Return the energy per area of the rubber's strain in plane stress, C m:m / 2.
+
+    Parameters
+    ----------
+    strain
+        m (m, 3) [-].
+    tensile
+        T = E t (m,) [N/m].
+    poisson
+        Poisson's ratio [-].
+
+    Returns
+    -------
+    Array
+        Energy per area (m,) [J/m^2].
+    """
     mean, spread, _, _ = _principal(strain)
     both, apart = 2.0 * mean, 2.0 * spread
     return np.asarray(0.25 * tensile * (both**2 / (1.0 - poisson) + apart**2 / (1.0 + poisson)))
 
 
 def squared(strain: Array) -> Array:
-    """m:m (m,) of a symmetric ``strain`` m (m, 3)."""
+    """Return m:m (m,) of a symmetric ``strain`` m (m, 3)."""
     return np.asarray(strain[:, 0] ** 2 + 2.0 * strain[:, 1] ** 2 + strain[:, 2] ** 2)
