@@ -12,9 +12,21 @@ CELLS = 16  # at most, per box: bounds what is cleared and summed for every sear
 
 @compiled
 def motion_boxes(start: Array, end: Array, triangles: Ints, margin: float) -> tuple[Array, Array]:
-    """Boxes (m, 3) [m], (m, 3) [m] around the straight motion of every triangle.
+    """Return boxes around the straight motion of every triangle.
 
-    ``start``, ``end`` (n, 3) [m]; ``margin`` [m] is added on every side.
+    Parameters
+    ----------
+    start, end
+        Positions (n, 3) [m] at either end of the motion.
+    triangles
+        Nodes of each triangle (m, 3).
+    margin
+        Length [m] that is added on every side.
+
+    Returns
+    -------
+    lower, upper : Array
+        Corners of the boxes (m, 3) [m].
     """
     m = triangles.shape[0]
     lower, upper = np.empty((m, 3)), np.empty((m, 3))
@@ -79,11 +91,21 @@ def _by_cell(lower: Array, upper: Array) -> tuple[Ints, Ints, Ints, Ints]:
 
 @compiled
 def near_boxes(lower: Array, upper: Array) -> Ints:
-    """Pairs (k, 2) of boxes that overlap or touch, each once, in an order the grid gives.
+    """Return the pairs of boxes that overlap or touch, each once, in an order the grid gives.
 
-    ``lower``, ``upper`` (m, 3) [m], finite. A grid of cells at least as wide as the widest box
-    holds the boxes by their centres, so that only the 27 cells around one can hold its partners.
-    Near-linear in m while boxes are of similar size, quadratic at worst.
+    A grid of cells at least as wide as the widest box holds the boxes by their centres, so that
+    only the 27 cells around one can hold its partners. Near-linear in m while boxes are of similar
+    size, quadratic at worst.
+
+    Parameters
+    ----------
+    lower, upper
+        Corners of the boxes (m, 3) [m]; that they are finite is not checked.
+
+    Returns
+    -------
+    Ints
+        Pairs (k, 2) of boxes.
     """
     m = lower.shape[0]
     found, count = np.empty((16 * m + 16, 2), dtype=np.int64), 0

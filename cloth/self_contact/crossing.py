@@ -53,7 +53,7 @@ def _pierces(x: Array, triangles: Ints, source: int, target: int, least: float) 
 
 @compiled
 def share_node(triangles: Ints, s: int, t: int) -> bool:
-    """Whether the triangles ``s`` and ``t`` have a node in common."""
+    """Return whether the triangles ``s`` and ``t`` have a node in common."""
     a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
     for i in range(3):
         node = triangles[s, i]
@@ -77,7 +77,22 @@ def crossing_kernel(x: Array, triangles: Ints, pairs: Ints, least: float) -> Int
 
 
 def crossings_among(position: Array, triangles: Ints, pairs: Ints) -> Ints:
-    """Those of the ``pairs`` (k, 2) of triangles that cross, as ``crossing_pairs`` tells it."""
+    """Return those pairs of triangles that cross, by the rules of ``crossing_pairs``.
+
+    Parameters
+    ----------
+    position
+        Positions (n, 3) [m]; that they are finite is not checked.
+    triangles
+        Nodes of each triangle (m, 3).
+    pairs
+        Pairs (k, 2) of triangles to look at; those with a common node do not cross.
+
+    Returns
+    -------
+    Ints
+        The pairs (j, 2) that cross, the smaller index first, sorted.
+    """
     if len(pairs) == 0:
         return pairs
     lower, upper = motion_boxes(position, position, triangles, 0.0)
@@ -88,15 +103,32 @@ def crossings_among(position: Array, triangles: Ints, pairs: Ints) -> Ints:
 
 
 def crossing_pairs(position: Array, triangles: Ints) -> Ints:
-    """Pairs (k, 2) of triangles that share no node and cross, the smaller index first, sorted.
+    """Return the pairs of triangles that share no node and cross.
 
-    ``position`` (n, 3) [m], ``triangles`` (m, 3). Two triangles cross when an edge of one pierces
+    Two triangles cross when an edge of one pierces
     the other (Guigue and Devillers 2003, by signs of tetrahedra's volumes). Each of the five
     volumes must exceed 1e-12 of L^3, L the longest extent of a triangle's box: some hundred times
     the rounding, and a depth of 1e-12 L for triangles of ordinary shape. So touching, coplanar
     overlap and grazing an edge or a corner are no crossing, and a triangle thinner than 1e-12 L
-    cannot be pierced, though its edges can pierce others. Positions must be finite
-    (ValueError). Near-linear in m while the boxes are of similar size.
+    cannot be pierced, though its edges can pierce others.
+    Near-linear in m while the boxes are of similar size.
+
+    Parameters
+    ----------
+    position
+        Positions (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3).
+
+    Returns
+    -------
+    Ints
+        Pairs (k, 2), the smaller index first, sorted.
+
+    Raises
+    ------
+    ValueError
+        For positions that are not finite.
     """
     if not np.all(np.isfinite(position)):
         raise ValueError("cloth: crossing_pairs needs finite positions.")

@@ -18,7 +18,7 @@ class Features:
         self._sides = np.asarray(inverse).reshape(-1, 3)
 
     def pairs(self, facing: Ints) -> Ints:
-        """Rows (k, 5), each once, of the primitives of pairs of triangles ``facing`` (j, 2).
+        """Return the pairs of primitives (k, 5), each once, of triangles ``facing`` (j, 2).
 
         Kind and four nodes: six times a node and a triangle, nine times an edge and an edge.
         """

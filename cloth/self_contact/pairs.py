@@ -141,12 +141,32 @@ def separation_rounds(
     rounds: int,
     met: Bools,
 ) -> int:
-    """Push all pairs apart, one after the other, for at most ``rounds``; changes ``x`` in place.
+    """Push all pairs apart, one after the other, until none is pushed or the rounds are used up.
 
-    ``pairs`` (k, 5), ``gaps`` (k,) as ``candidate_kernel`` gives them. ``met`` (k,) becomes true
-    where the motion from ``start`` to ``x`` is not known to be free of contact. Returns the number
-    of pairs pushed in the last round: with 0, ``met`` holds for the final ``x`` (and is false
-    except where nothing can move).
+    Parameters
+    ----------
+    start
+        Positions (n, 3) [m] at the start of the motion.
+    x
+        Positions (n, 3) [m] at its end, which are changed.
+    inverse_mass
+        Inverse mass of the nodes (n,) [1/kg]; 0 where one must not move.
+    profile
+        The shell that nodes are kept in, as ``cloth.shell.kernels`` describes it.
+    pairs, gaps
+        Pairs (k, 5) and their distances at the start (k,) [m], as ``candidate_kernel`` has them.
+    thickness
+        Distance [m] to which pairs are pushed.
+    rounds
+        Number of rounds over all pairs, at most.
+    met
+        Becomes true (k,) where the motion from ``start`` to ``x`` may not be free of contact.
+
+    Returns
+    -------
+    int
+        Number of pairs pushed in the last round: with 0, ``met`` holds for the final ``x`` (and is
+        false except where nothing can move).
     """
     moved, seen = np.ones(len(x), dtype=np.int64), np.zeros(len(pairs), dtype=np.int64)
     p, w, out, clock, pushed = np.empty((3, 4, 3)), np.empty(4), np.empty(3), 1, len(pairs)
@@ -185,7 +205,18 @@ def separation_rounds(
 
 @compiled
 def end_gaps(x: Array, pairs: Ints, gap: Array, weights: Array, normal: Array) -> None:
-    """Distance (k,) [m], weights (k, 4) and unit normal (k, 3) of every pair at ``x`` (n, 3)."""
+    """Fill the distance of every pair, and its nearest points, at given positions.
+
+    Parameters
+    ----------
+    x
+        Positions (n, 3) [m].
+    pairs
+        Kind and four nodes of each pair (k, 5).
+    gap, weights, normal
+        Become the distance (k,) [m], the nearest points' weights (k, 4) and the unit vector
+        (k, 3) between them, from the second side to the first.
+    """
     p = np.empty((4, 3))
     for k in range(len(pairs)):
         _gather(x, pairs[k, 1:], p)

@@ -41,7 +41,27 @@ class Planes:
         rub: Array,
         rhs: Array,
     ) -> None:
-        """``plane_step`` with these planes."""
+        """Do ``plane_step`` with these planes, and nothing where there are none.
+
+        Parameters
+        ----------
+        inverse_mass
+            Inverse mass of the nodes (n,) [1/kg].
+        profile
+            The shell, as ``cloth.shell.kernels`` describes it.
+        weight
+            Penalty of the shell (n,) [N/m]; 0 leaves a node out.
+        friction
+            Coulomb's coefficient of the sheet on itself [-].
+        start
+            Positions (n, 3) [m] at the step's start.
+        z, u
+            Place and scaled dual (n, 3) [m] that the shell's contact left; both are changed.
+        rub
+            Becomes the friction that each node exerts (n, 3) [N].
+        rhs
+            Forces (n, 3) [N], to which the change is added.
+        """
         if len(self.nodes):
             plane_step(
                 self.nodes, self.weights, self.normal, self.rest, inverse_mass, profile, weight,
@@ -49,7 +69,7 @@ class Planes:
             )  # fmt: skip
 
     def joined(self, former: Planes) -> Planes:
-        """These planes and those of the ``former`` ones that part other nodes than any of these."""
+        """Return these planes, and those ``former`` ones that part other nodes than they do."""
         known = {tuple(group) for group in self.nodes.tolist()}
         kept = np.array([tuple(group) not in known for group in former.nodes.tolist()], dtype=bool)
         return Planes(
@@ -130,9 +150,20 @@ def project_planes(
 
 @compiled
 def move_within(profile: Array, share: float, way: Array, place: Array, beyond: Array) -> None:
-    """Move ``place`` (3,) [m] by ``share`` of ``way`` (3,), then into the shell.
+    """Move a point by a share of a vector, then into the shell, and keep what the shell takes.
 
-    ``beyond`` (3,) [m] is what the shell took of it before, and then what it takes in all.
+    Parameters
+    ----------
+    profile
+        The shell, as ``cloth.shell.kernels`` describes it.
+    share
+        Factor of ``way``.
+    way
+        Vector (3,); ``share`` times it is in m.
+    place
+        The point (3,) [m], which is moved.
+    beyond
+        What the shell took of it before (3,) [m]; becomes what it takes in all.
     """
     for d in range(3):
         beyond[d] += place[d] + share * way[d]

@@ -31,7 +31,17 @@ def _dot(p: Array, i: int, j: int, k: int, m: int) -> float:
 
 @compiled
 def difference(p: Array, w: Array, out: Array) -> float:
-    """sum_i w_i p_i into ``out`` (3,) [m]; returns its length [m]."""
+    """Put sum_i w_i p_i into ``out``, and return its length [m].
+
+    Parameters
+    ----------
+    p
+        Positions of a pair's four nodes (4, 3) [m].
+    w
+        Signed weights (4,).
+    out
+        Becomes the sum (3,) [m].
+    """
     for d in range(3):
         out[d] = w[0] * p[0, d] + w[1] * p[1, d] + w[2] * p[2, d] + w[3] * p[3, d]
     return math.sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2])
@@ -91,10 +101,21 @@ def _edge_weights(p: Array, w: Array) -> None:
 
 @compiled
 def nearest(kind: int, p: Array, w: Array, out: Array) -> float:
-    """Distance [m] of the pair ``p`` (4, 3) [m]; fills ``w`` (4,) and the difference ``out`` (3,).
+    """Return the distance [m] of a pair, and fill the weights and difference of its nearest points.
 
     Any length may be zero. Edges with a squared sine below 1e-12 count as parallel, and triangles
     that thin as their sides: the distance is then too large by 1e-6 of their length at most.
+
+    Parameters
+    ----------
+    kind
+        VERTEX or EDGES.
+    p
+        Positions of the four nodes (4, 3) [m].
+    w
+        Becomes the nearest points' signed weights (4,).
+    out
+        Becomes the vector from the second side's nearest point to the first side's (3,) [m].
     """
     if kind == VERTEX:
         _vertex_weights(p, w, out)
@@ -105,7 +126,15 @@ def nearest(kind: int, p: Array, w: Array, out: Array) -> float:
 
 @compiled
 def approach(kind: int, p: Array, q: Array) -> float:
-    """Most that the distance can shrink [m] from ``p`` to ``q``, less the common motion."""
+    """Return the most by which a pair's distance can shrink [m], less the common motion.
+
+    Parameters
+    ----------
+    kind
+        VERTEX or EDGES.
+    p, q
+        Positions of the four nodes (4, 3) [m] at the start and at the end of a motion.
+    """
     size = np.empty(4)
     mean = np.zeros(3)
     for d in range(3):
@@ -125,13 +154,31 @@ def approach(kind: int, p: Array, q: Array) -> float:
 def meeting(
     kind: int, p: Array, q: Array, stop: float, w: Array, here: Array, out: Array
 ) -> tuple[float, float]:
-    """Time in [0, 1], and distance [m] then, of the straight motion from ``p`` to ``q`` (4, 3).
+    """Return when a pair in straight motion first comes as near as a given distance.
 
-    The first time at which the distance is at most ``stop`` [m], or 1 if there is none; always
-    before the pair touches. Additive conservative advancement (Li et al. 2021, section 5.1), which
-    needs no root of a cubic and works for degenerate pairs. ``w``, ``here`` (4, 3) [m] and
-    ``out`` are filled with weights, nodes and difference at that time. A motion that crawls along
+    Additive conservative advancement (Li et al. 2021, section 5.1), which
+    needs no root of a cubic and works for degenerate pairs. A motion that crawls along
     for 200 steps near ``stop`` counts as met.
+
+    Parameters
+    ----------
+    kind
+        VERTEX or EDGES.
+    p, q
+        Positions of the four nodes (4, 3) [m] at the start and at the end of the motion.
+    stop
+        The distance that is looked for [m].
+    w, here, out
+        Become weights (4,), positions (4, 3) [m] and difference (3,) [m] at the time found, the
+        first and the last as in ``nearest``.
+
+    Returns
+    -------
+    time : float
+        First time in [0, 1] at which the distance is at most ``stop``, or 1 if there is none;
+        always before the pair touches.
+    distance : float
+        Distance then [m].
     """
     for i in range(4):
         for d in range(3):

@@ -11,13 +11,13 @@ from cloth.self_contact.proximity import VERTEX
 
 
 def near_boxes(lower: Array, upper: Array) -> Ints:
-    """Pairs (k, 2) of boxes that overlap or touch, smaller index first, sorted."""
+    """Return the pairs (k, 2) of boxes that overlap or touch, smaller index first, sorted."""
     apart = (lower[:, None] > upper[None]).any(axis=2)
     return np.argwhere(np.triu(~(apart | apart.T), 1))
 
 
 def crossing_kernel(x: Array, triangles: Ints, pairs: Ints, least: float) -> Ints:
-    """Those ``pairs`` (k, 2) of triangles that share no node, an edge of one piercing the other.
+    """Return those ``pairs`` (k, 2) of triangles that share no node, one's edge piercing the other.
 
     A piercing is recognised by five volumes, each times six beyond ``least`` [m^3]: of the triangle
     with either end of the edge, opposite in sign, and of the edge with the three sides, alike in
@@ -47,7 +47,7 @@ def crossing_kernel(x: Array, triangles: Ints, pairs: Ints, least: float) -> Int
 
 
 def nearest(kind: int, p: Array) -> tuple[float, Array]:
-    """Distance [m] of the pair ``p`` (4, 3) [m], and the weights (4,) of its nearest points.
+    """Return the distance [m] of the pair ``p`` (4, 3) [m], and its nearest points' weights (4,).
 
     Bounded least squares; a triangle's nearest point lies inside, or else on one of its sides.
     Weights are base + s . moves with s in [0, 1].
@@ -75,7 +75,7 @@ def nearest(kind: int, p: Array) -> tuple[float, Array]:
 def approaching_kernel(
     start: Array, end: Array, centres: Array, triangles: Ints, near: Ints, margin: float
 ) -> Ints:
-    """Those pairs ``near`` (k, 2) of triangles without a common node that may come near.
+    """Return those pairs ``near`` (k, 2) of triangles, no node in common, that may come near.
 
     Left out are those that a plane keeps ``margin`` [m] apart during the whole motion. It is
     normal to the line between ``centres`` (m, 3), of any length; the distance of two nodes along
@@ -93,7 +93,10 @@ def approaching_kernel(
 
 
 def approach(kind: int, p: Array, q: Array) -> float:
-    """Most that a distance can shrink [m] from ``p`` to ``q`` (4, 3), less the common motion."""
+    """Return the most [m] by which a distance can shrink from ``p`` to ``q`` (4, 3) [m].
+
+    The common motion of the four nodes is left out.
+    """
     speed = np.linalg.norm(q - p - (q - p).mean(axis=0), axis=1)
     first = 1 if kind == VERTEX else 2
     return float(speed[:first].max() + speed[first:].max())
@@ -102,11 +105,12 @@ def approach(kind: int, p: Array, q: Array) -> float:
 def candidate_kernel(
     start: Array, end: Array, pairs: Ints, margin: float, gaps: Array, kept: Bools
 ) -> None:
-    """Distance ``gaps`` (k,) [m] of ``pairs`` (k, 5) at the start, and whether they may come near.
+    """Fill in the distances ``gaps`` (k,) [m] of ``pairs`` (k, 5), and which pairs may come near.
 
-    ``kept`` (k,) is false where the distance less the most it can shrink is beyond ``margin`` [m],
-    or where a plane normal to the nearest points' line, at the start or at the end, keeps the
-    sides that far apart at both times, and so in between.
+    The distances are those at the start. ``kept`` (k,) becomes false where the distance less the
+    most it can shrink is beyond ``margin`` [m], or where a plane normal to the nearest points'
+    line, at the start or at the end, keeps the sides that far apart at both times, and so in
+    between.
     """
     for k, (kind, *nodes) in enumerate(pairs.tolist()):
         first = 1 if kind == VERTEX else 2
@@ -119,7 +123,10 @@ def candidate_kernel(
 
 
 def meeting_distance(kind: int, p: Array, q: Array, samples: int) -> float:
-    """Least distance [m] of the straight motion from ``p`` to ``q`` (4, 3) at equal times."""
+    """Return the least distance [m] in the straight motion from ``p`` to ``q`` (4, 3) [m].
+
+    At ``samples`` equal times, both ends included.
+    """
     times = np.linspace(0.0, 1.0, samples)
     return min(nearest(kind, p + time * (q - p))[0] for time in times)
 
@@ -203,7 +210,7 @@ def plane_step(
     rub: Array,
     rhs: Array,
 ) -> None:
-    """Continue ``cloth.node_reference.contact_step``: its ball, cut by the planes.
+    """Continue ``cloth.node_reference.contact_step`` with its ball cut by the planes.
 
     With y = z + u as that step left them, z becomes the projection also on the planes, u = y - z,
     and ``rhs`` (n, 3) [N] takes the change of weight (z - u). Nodes of ``weight`` 0 stay out.

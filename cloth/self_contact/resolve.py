@@ -57,7 +57,7 @@ class _Motion:
         self.known = False  # that the motion of these pairs is free
 
     def search(self) -> None:
-        """Candidates of the present motion."""
+        """Find the candidates of the present motion."""
         self.found, self.known = self._searched(), False
 
     def _searched(self) -> _Candidates:
@@ -75,7 +75,7 @@ class _Motion:
         )  # fmt: skip
 
     def drifted(self) -> bool:
-        """Whether ``x`` has left the motion whose candidates are known."""
+        """Return whether ``x`` has left the motion whose candidates are known."""
         drift = np.sum((self.x - self.found.at) ** 2, axis=1).max()
         return bool(drift > self.sheet.drift**2)
 
@@ -93,7 +93,7 @@ class _Motion:
                 return
 
     def meeting_nodes(self) -> Ints:
-        """Nodes (k, 4) of the pairs whose motion is not known to be free."""
+        """Return the nodes (k, 4) of the pairs whose motion is not known to be free."""
         if self.drifted():
             self.search()
         if not self.known:
@@ -119,16 +119,33 @@ class SelfContact:
         self._features = Features(triangles)
 
     def approaching(self, start: Array, end: Array) -> Ints:
-        """Pairs (k, 2) of triangles without a common node that may come within two thicknesses."""
+        """Return pairs (k, 2) of triangles, no node in common, that may come near each other.
+
+        Parameters
+        ----------
+        start, end
+            Positions (n, 3) [m] between which a straight motion may bring them within two
+            thicknesses.
+        """
         margin = MARGIN * self.thickness
         lower, upper = motion_boxes(start, end, self.triangles, 0.5 * margin)
         near = near_boxes(lower, upper)
         return approaching_kernel(start, end, lower + upper, self.triangles, near, margin)
 
     def candidates(self, start: Array, end: Array, facing: Ints) -> tuple[Ints, Array]:
-        """Primitives (k, 5) of ``facing`` triangles (j, 2) that may come as near, and their gaps.
+        """Return the pairs of primitives that may come within two thicknesses, and their gaps.
 
-        Nodes with triangles and edges with edges; the gaps (k,) [m] are those at the start.
+        Parameters
+        ----------
+        start, end
+            Positions (n, 3) [m] at either end of the straight motion.
+        facing
+            Pairs of triangles (j, 2), whose nodes and triangles, and edges and edges, are paired.
+
+        Returns
+        -------
+        tuple
+            Kind and four nodes of each pair (k, 5), and its distance at the start (k,) [m].
         """
         pairs = self._features.pairs(facing)
         gaps, kept = np.empty(len(pairs)), np.empty(len(pairs), dtype=np.bool_)
@@ -136,7 +153,15 @@ class SelfContact:
         return pairs[kept], gaps[kept]
 
     def belong(self, pairs: Ints, crossings: Ints) -> Bools:
-        """Whether (k,) a pair's sides lie in two triangles that cross each other."""
+        """Return which pairs (k,) have their two sides in two triangles that cross each other.
+
+        Parameters
+        ----------
+        pairs
+            Kind and four nodes of each pair (k, 5).
+        crossings
+            Pairs of triangles that cross (j, 2).
+        """
         result = np.zeros(len(pairs), dtype=np.bool_)
         first = np.where(pairs[:, :1] == 0, pairs[:, [1, 1]], pairs[:, 1:3])
         second = np.where(pairs[:, :1] == 0, pairs[:, 2:5], pairs[:, [3, 4, 4]])
@@ -147,10 +172,9 @@ class SelfContact:
         return result
 
     def resolve(self, start: Array, end: Array, shell: Shell = NO_SHELL) -> Contact:
-        """``end`` (n, 3) [m] corrected so that the straight motion from ``start`` is free.
+        """Return the contact at a step's end, corrected so that the straight motion to it is free.
 
-        ``start`` (n, 3) [m] without crossings; the inside of the ``shell`` is kept if
-        both kept it. Pushes pairs apart at the end of their motion until the gap is the thickness,
+        Pushes pairs apart at the end of their motion until the gap is the thickness,
         or a little more than it was where it was less (Bridson et al. 2002, with the time of
         impact of Li et al. 2021): inelastic, without friction. Pairs that still meet then move
         as rigid zones (Harmon et al. 2008), and what still meets is left at ``start``, in growing
@@ -164,7 +188,18 @@ class SelfContact:
         other; lengths, which the step's solver has to mend. A later move (the volume's closure)
         that leaves the nodes ``near`` and is below 0.15 thicknesses crosses nothing; any other
         has to be resolved again, from the same ``start``.
-        Raises ValueError for positions that are not finite.
+
+        Parameters
+        ----------
+        start, end
+            Positions (n, 3) [m] where the step began, and where it ends without contact.
+        shell
+            Its inside is kept if both positions kept it.
+
+        Raises
+        ------
+        ValueError
+            For positions that are not finite.
         """
         if not (np.all(np.isfinite(start)) and np.all(np.isfinite(end))):
             raise ValueError("cloth: self-contact needs finite positions.")

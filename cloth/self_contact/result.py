@@ -45,7 +45,7 @@ class Contact:
     failed: Ints
 
     def node_slip(self) -> Array:
-        """Slip (n,) [m] of every node: the mean of its pairs' slips by their weights."""
+        """Return the slip (n,) [m] of every node: the mean of its pairs' slips by their weights."""
         total, weight = np.zeros((2, len(self.position)))
         size = np.abs(self.weights)
         length = np.linalg.norm(self.slip, axis=1)
@@ -65,9 +65,27 @@ def touching(
     held: Bools,
     failed: Ints,
 ) -> Contact:
-    """Those of the ``pairs`` (j, 5) within 1.2 ``thickness`` [m] at ``position`` (n, 3) [m].
+    """Return the contact at a step's end: which pairs touch, how they slid, what keeps them apart.
 
-    ``start``, ``end`` (n, 3) [m]: where the step began, and would have ended without contact.
+    Parameters
+    ----------
+    start, end
+        Positions (n, 3) [m] where the step began, and where it would have ended without contact.
+    position
+        Positions (n, 3) [m] at its end.
+    pairs
+        Candidate pairs (j, 5), of which those within 1.2 thicknesses touch.
+    thickness
+        Thickness of the sheet [m].
+    rigid, held
+        Nodes (n,) that moved as rigid zones, or were left where they started.
+    failed
+        Pairs (k, 2) of triangles that had crossed before.
+
+    Returns
+    -------
+    Contact
+        The contact; its arrays are named there.
     """
     gap, weights = np.empty(len(pairs)), np.empty((len(pairs), 4))
     normal = np.empty((len(pairs), 3))

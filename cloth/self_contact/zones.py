@@ -9,7 +9,15 @@ from cloth.shell.shell import Shell
 
 
 def merge_zones(zones: Ints, nodes: Ints) -> None:
-    """Join, in place, the zones (n,) of each group of ``nodes`` (k, 4); their least label stays."""
+    """Join, in place, the zones that groups of nodes connect; the least label of each stays.
+
+    Parameters
+    ----------
+    zones
+        Label of every node's zone (n,), which is changed.
+    nodes
+        Groups of four nodes (k, 4).
+    """
     for group in nodes.tolist():
         labels = {int(zones[node]) for node in group}
         if len(labels) > 1:
@@ -19,11 +27,28 @@ def merge_zones(zones: Ints, nodes: Ints) -> None:
 def translated(
     start: Array, end: Array, nodes: Ints, zones: Ints, inverse_mass: Array, shell: Shell
 ) -> Array:
-    """``end`` (n, 3) [m] with every zone moved from ``start`` by its centre of mass's motion.
+    """Return the end of a motion in which every zone moves as its centre of mass does.
 
-    The zones (n,) are first joined by the groups of ``nodes`` (k, 4), in place; a zone of one node
-    stays as it is. A zone with a fixed node (``inverse_mass`` 0) does not move, and one that would
-    leave the ``shell`` less: no zone's inside changes, so nothing in it can meet.
+    A zone with a fixed node does not move, and one that would leave the shell moves less: no
+    zone's inside changes, so nothing in it can meet. A zone of one node keeps its own end.
+
+    Parameters
+    ----------
+    start, end
+        Positions (n, 3) [m] at either end of the motion.
+    nodes
+        Groups of four nodes (k, 4), by which zones are joined first.
+    zones
+        Label of every node's zone (n,), which is changed.
+    inverse_mass
+        Inverse mass of the nodes (n,) [1/kg]; 0 where one is fixed.
+    shell
+        The shell that zones are kept in.
+
+    Returns
+    -------
+    Array
+        The end (n, 3) [m].
     """
     merge_zones(zones, nodes)
     result = end.copy()
