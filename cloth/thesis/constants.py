@@ -38,7 +38,9 @@ class Constants(NamedTuple):
 
 
 def constants(grid: ThesisGrid, diaphragm: Diaphragm, *, radius: float, strain: float) -> Constants:
-    """Of a ``diaphragm`` on ``grid`` in a shell of ``radius`` [m]; ``strain`` is allowed [-].
+    """Return the constants of a ``diaphragm`` on ``grid`` in a shell of ``radius`` [m].
+
+    The allowed ``strain`` [-] sets where a projection stops.
 
     Kept, erratum 5: kappa = E t^3 / 12 lacks 1/(1 - nu^2), 4/3 for rubber.
 

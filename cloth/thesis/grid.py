@@ -29,7 +29,9 @@ class ThesisGrid:
 
 
 def thesis_grid(radius: float, size: int = SIZE, *, repaired: bool = True) -> ThesisGrid:
-    """The hemisphere z <= 0 of ``radius`` [m], as an empty tank has it: the liquid everts it.
+    """Return the thesis' grid on the hemisphere z <= 0 of ``radius`` [m].
+
+    There the sheet of an empty tank lies; the liquid everts it.
 
     A gnomonic grid of one face of a cube, its lines drawn on over the half sphere, then turned
     about z arm by arm so that every arm's nodes lie at even angles. The listing's ``i = i + 1``
@@ -121,7 +123,7 @@ def _triangles(size: int) -> Ints:
 
 
 def node_areas(x: Array) -> Array:
-    """A quarter of the four cells round each inner node, (size, size) [m^2]; 0 at the rim.
+    """Return a quarter of the four cells round each inner node (size, size) [m^2], 0 at the rim.
 
     ``x`` (size, size, 3) [m]. A cell is the sum of the triangles on either side of its diagonal
     (appendix D).

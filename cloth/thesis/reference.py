@@ -25,9 +25,10 @@ def _ends(values: Array, di: int, dj: int) -> tuple[Array, Array]:
 
 
 def unit_normals(x: Array) -> Array:
-    """Towards the gas at the inner nodes, (size, size, 3) [-]; 0 at the rim, which needs none.
+    """Return unit normals towards the gas at the inner nodes (size, size, 3) [-]; 0 at the rim.
 
-    MATLAB's ``surfnorm``: the product of the central differences along and across.
+    The rim needs none. MATLAB's ``surfnorm``: the product of the central differences along and
+    across.
     """
     normals = np.zeros_like(x)
     along, across = x[1:-1, 2:] - x[1:-1, :-2], x[2:, 1:-1] - x[:-2, 1:-1]
@@ -39,15 +40,29 @@ def unit_normals(x: Array) -> Array:
 def add_bending(
     x: Array, normals: Array, rest: Array, stiffness: float, di: int, dj: int, force: Array
 ) -> None:
-    """Add the bending force of the beams over three nodes to ``force`` (size, size, 3) [N].
+    """Add the bending force of the beams over three nodes to ``force``.
 
     Eq. 4.7, listing 1: on the middle node, k d along its normal towards the chord's side, with
-    k = 48 kappa / rest^2 and the deflection d = sqrt(rest^2 - length^2) / 2. ``rest`` (size, size)
-    [m], ``stiffness`` kappa [N m].
+    k = 48 kappa / rest^2 and the deflection d = sqrt(rest^2 - length^2) / 2.
 
     Kept, erratum 6: d is computed from the chord's shortening, so that it is zero in the moulded
     and in the mirrored state, and where the beam is stretched (a square root of a negative number,
     of which the listing takes the real part).
+
+    Parameters
+    ----------
+    x
+        Positions (size, size, 3) [m].
+    normals
+        Unit normals there (size, size, 3).
+    rest
+        Moulded length of each beam at its first node (size, size) [m].
+    stiffness
+        kappa [N m].
+    di, dj
+        Rows and columns from a beam's first node to its last.
+    force
+        Forces (size, size, 3) [N], to which the beams' are added.
     """
     h, g = di // 2, dj // 2
     first, second = _ends(x, di, dj)
@@ -62,11 +77,26 @@ def add_bending(
 
 
 def relieve(x: Array, rest: Array, back: Array, forth: Array, di: int, dj: int) -> float:
-    """One sweep over the pairs at (di, dj), all at once; changes ``x``, returns sum |error| [m].
+    """Sweep once over the pairs at (di, dj), all at once, and return the error before, sum |error|.
 
-    Listing 3: every pair goes back to its moulded length, either way, its two nodes by the shares
-    ``back`` and ``forth`` (size, size); the error is that before the sweep. Repaired: the shift of
+    Listing 3: every pair goes back to its moulded length, either way. Repaired: the shift of
     the second node's part lacks its second index in the listing and in appendix F.
+
+    Parameters
+    ----------
+    x
+        Positions (size, size, 3) [m], which are changed.
+    rest
+        Moulded length of each pair at its first node (size, size) [m].
+    back, forth
+        The first and the second node's shares of a correction (size, size) [-].
+    di, dj
+        Rows and columns from a pair's first node to its second.
+
+    Returns
+    -------
+    float
+        Sum of the pairs' length errors before the sweep [m].
     """
     first, second = _ends(x, di, dj)
     apart = second - first
@@ -82,14 +112,14 @@ def relieve(x: Array, rest: Array, back: Array, forth: Array, di: int, dj: int) 
 
 
 def put_inside(x: Array, radius: float) -> None:
-    """Put inner nodes beyond the shell back on it (appendix G); changes ``x``."""
+    """Put inner nodes beyond the shell of ``radius`` [m] back on it (appendix G); changes ``x``."""
     inner = x[1:-1, 1:-1]
     distance = np.linalg.norm(inner, axis=-1, keepdims=True)
     inner[:] = np.where(distance > TOUCHING * radius, radius * inner / distance, inner)
 
 
 def project(x: Array, c: Constants) -> tuple[float, int]:
-    """Sweep until the sum of all errors is allowed; that sum [m], and the sweeps: -1 if too many.
+    """Sweep until the sum of all errors is allowed; return it [m], and the sweeps: -1 if too many.
 
     Appendix A. Kept, erratum 7: a mean of |error| is limited, see ``constants``.
     """
@@ -106,10 +136,7 @@ def move_freely(
     x: Array, v: Array, c: Constants, density: float, datum: float, body: Array, force: Array,
     dt: float,
 ) -> None:  # fmt: skip
-    """The unconstrained response (listing 2, appendix E): forward Euler; changes ``x`` and ``v``.
-
-    ``datum`` [Pa], ``body`` (3,) [m/s^2] of the pressure p = datum + density body . x; ``force``
-    (size, size, 3) [N] besides.
+    """Move the nodes without constraints (listing 2, appendix E), by a step of forward Euler.
 
     Repaired, erratum 3: the listing has p rise along +a, 180 degrees out of phase with the tank it
     draws, and gives the diaphragm its weight but no inertia in the shaking direction; both follow
@@ -121,6 +148,21 @@ def move_freely(
     multiplies the node's total velocity. Kept, erratum 8: see ``advance``.
 
     Read: the listing adds two calls of four results each, which MATLAB cannot; result by result.
+
+    Parameters
+    ----------
+    x, v
+        Positions and velocities (size, size, 3) [m, m/s], which are changed.
+    c
+        What stays constant during the run.
+    density
+        Density of the liquid [kg/m^3].
+    datum, body
+        Pressure at the origin [Pa] and body force (3,) [m/s^2]: p = datum + density body . x.
+    force
+        Further nodal forces (size, size, 3) [N].
+    dt
+        Length of the step [s].
     """
     normals = unit_normals(x)
     pressure = node_areas(x) * (datum + density * x @ body)
@@ -136,12 +178,11 @@ def advance(
     x: Array, v: Array, c: Constants, density: float, datum: Array, body: Array, force: Array,
     dt: float, steps: int,
 ) -> tuple[float, int]:  # fmt: skip
-    """``steps`` steps of ``dt`` [s]; changes ``x``, ``v``; the last error sum [m], and all sweeps.
+    """Do several steps of the thesis' algorithm; return the last error sum and the sweeps in all.
 
-    The load goes evenly from ``datum[0]`` and ``body[0]`` to ``datum[1]`` and ``body[1]``: datum
-    (2,) [Pa], body (2, 3) [m/s^2]. Sweeps are -1 when a projection finds no end.
+    The load changes evenly during them.
 
-    Kept, erratum 4: nothing holds the liquid's volume. Kept, erratum 8: ten sweeps a step draw the
+    Kept, erratum 4: nothing holds the liquid's volume. Kept, erratum 8: ten sweeps a step bring the
     beams over three nodes back to their moulded length, whatever dt. That is a stiffness that
     grows as 1/dt, since nodes in balance keep their terminal velocity, force over damping; it
     would be 1/dt^2 without damping. The state converges neither in dt nor in the grid.
@@ -149,6 +190,24 @@ def advance(
     Kept, erratum 9: the projection moves nodes but never corrects ``v``, which is left with what
     pressure and damping made of it: nodes at rest have metres per second, and the kinetic energy
     is a phantom.
+
+    Parameters
+    ----------
+    x, v
+        Positions and velocities (size, size, 3) [m, m/s], which are changed.
+    c, density, force
+        As in ``move_freely``.
+    datum, body
+        Pressures (2,) [Pa] and body forces (2, 3) [m/s^2] before the first step and at the last.
+    dt, steps
+        Length of a step [s], and their number.
+
+    Returns
+    -------
+    error : float
+        Sum of all pairs' length errors after the last projection [m].
+    sweeps : int
+        Sweeps of all projections, -1 when one finds no end.
     """
     error, total = 0.0, 0
     for step in range(1, steps + 1):

@@ -84,12 +84,12 @@ class ThesisSheet:
 
     @property
     def previous_step(self) -> float:
-        """0: the thesis' explicit steps take the acceleration as constant over a step."""
+        """Length of the step before, 0: explicit steps take the acceleration as constant."""
         return 0.0
 
     @property
     def converged(self) -> bool:
-        """Always: the thesis promises neither a volume nor a largest strain."""
+        """Always true: the thesis promises neither a volume nor a largest strain."""
         return True
 
     def _begun(self) -> Load:
@@ -98,20 +98,20 @@ class ThesisSheet:
         return self._load
 
     def inertial_prediction(self) -> Array:
-        """x~ (n, 3) [m]: where the committed velocity, a phantom, leads in this step."""
+        """Return x~ (n, 3) [m], where the committed velocity, a phantom, leads in this step."""
         self._begun()
         return np.asarray(self._memory["position"] + self._dt * self._memory["velocity"])
 
     @property
     def acceleration_scale(self) -> float:
-        """dt^2 [s^2] of this step."""
+        """The scale dt^2 [s^2] of this step's accelerations."""
         self._begun()
         return self._dt**2
 
     def solve(self, force: Array, *, alone: bool = False) -> Array:
-        """Position (n, 3) [m] under the load and nodal ``force`` (n, 3) [N]; the state stays.
+        """Return positions (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 
-        ``alone`` changes nothing: every solve costs the same.
+        The committed state stays. ``alone`` changes nothing: every solve costs the same.
         Raises ArithmeticError when a projection finds no end, and never returns what is not finite.
         """
         load, m = self._begun(), self._memory
@@ -193,7 +193,7 @@ class ThesisSheet:
         )
 
     def energy(self) -> SheetEnergy:
-        """Kinetic energy alone, of velocities that no projection corrects (erratum 9).
+        """Return the kinetic energy alone, of velocities that no projection corrects (erratum 9).
 
         The thesis' bending stiffness goes with its step (erratum 8): no energy belongs to it.
         """
@@ -201,15 +201,15 @@ class ThesisSheet:
         return SheetEnergy(kinetic=0.5 * float(self.mass @ speed))
 
     def losses(self) -> SheetLosses:
-        """None: the two are not kept apart."""
+        """Return zero losses: what damping and projections take is not measured."""
         return SheetLosses()
 
     def save(self) -> dict[str, Array]:
-        """Everything ``restore`` needs to go on bit for bit."""
+        """Return everything ``restore`` needs to go on bit for bit."""
         return {name: value.copy() for name, value in self._memory.items()}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
-        """The reverse of ``save``; raises ValueError when names or shapes differ."""
+        """Go back to what ``save`` returned; raises ValueError when names or shapes differ."""
         for name, value in self._memory.items():
             found = np.shape(saved[name]) if name in saved else "nothing"
             if found != value.shape:
