@@ -23,10 +23,10 @@ FLAT = 1e-9  # curvature times distance, below which a surface is taken for flat
 
 @compiled
 def nearest_on(profile: Array, r: float, z: float) -> tuple[float, float, float, float, float]:
-    """Nearest point of a meridian to (``r``, ``z``) [m]: its r and z, the outward normal's, and
-    the meridian's curvature there [1/m].
+    """Return the nearest point of a meridian to (``r``, ``z``) [m], the normal and curvature there.
 
-    Of two as near ones the first.
+    As r and z [m], the outward normal's r and z, and the curvature [1/m]. Of two points as near the
+    first.
     """
     best, found = math.inf, (0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(profile.shape[0]):
@@ -60,10 +60,19 @@ def nearest_on(profile: Array, r: float, z: float) -> tuple[float, float, float,
 
 @compiled
 def nearest_point(profile: Array, y: Array, place: Array, normal: Array) -> tuple[float, float]:
-    """Put the shell's nearest point to ``y`` (3,) into ``place`` (3,), its normal into ``normal``.
+    """Find the shell's nearest point to ``y``, and the normal there; the shell has a meridian.
 
-    Of a shell with a meridian. Returns how far ``y`` lies beyond it [m], below 0 inside, and the
-    meridian's curvature there [1/m]. On the axis the half plane of positive x is taken.
+    Returns how far ``y`` lies beyond it [m], below 0 inside, and the meridian's curvature there
+    [1/m]. On the axis the half plane of positive x is taken.
+
+    Parameters
+    ----------
+    profile
+        The shell, as this module describes it.
+    y
+        The point asked for (3,) [m].
+    place, normal
+        Become the nearest point (3,) [m] and the outward unit normal there (3,).
     """
     r = math.sqrt(y[0] * y[0] + y[1] * y[1])
     c, s = (y[0] / r, y[1] / r) if r > 0.0 else (1.0, 0.0)
@@ -75,14 +84,22 @@ def nearest_point(profile: Array, y: Array, place: Array, normal: Array) -> tupl
 
 @compiled
 def nearest_points(profile: Array, x: Array, place: Array, normal: Array, beyond: Array) -> None:
-    """``nearest_point`` of all ``x`` (n, 3), its first result into ``beyond`` (n,)."""
+    """Fill in ``nearest_point`` of all ``x`` (n, 3), its first result into ``beyond`` (n,)."""
     for i in range(len(x)):
         beyond[i], _ = nearest_point(profile, x[i], place[i], normal[i])
 
 
 @compiled
 def keep_within(profile: Array, place: Array) -> None:
-    """Move ``place`` (3,) [m] to the nearest point of the shell if it lies beyond it."""
+    """Move a point to the nearest point of the shell if it lies beyond it.
+
+    Parameters
+    ----------
+    profile
+        The shell, as this module describes it.
+    place
+        The point (3,) [m], which is moved.
+    """
     if profile.shape[0] == 0:
         return
     if profile.shape[1] == 1:
@@ -161,7 +178,7 @@ def settle_on(
 def slide_to(
     e0: float, e1: float, e2: float, start: Array, friction: float, scale: float, place: Array
 ) -> None:
-    """The direction into ``place`` (3,) where friction leaves a node asked for along e.
+    """Put the direction where friction leaves a node asked for along e into ``place`` (3,).
 
     On the great circle from the unit vector e to that of ``start`` (3,), at most so far that it is
     there; ``scale``: the shell's radius over the distance asked for.

@@ -21,11 +21,12 @@ BISECTIONS = 60  # of a share between 0 and 1
 
 
 class Meridian:
-    """The shell (a ``Shell``) whose meridian consists of ``pieces`` (k of (7,): ``line``, ``arc``).
+    """A shell (a ``Shell``) whose meridian consists of lines and arcs.
 
-    From the lower pole to the upper one, both on the axis; every ray from the origin meets it once,
-    and its height rises throughout. The rim is where it crosses z = 0. What is not checked: that it
-    does not cross itself. Raises ValueError where the pieces do not join.
+    ``pieces`` (k of (7,): ``line``, ``arc``) run from the lower pole to the upper one, both on the
+    axis; every ray from the origin meets the meridian once, and its height rises throughout. The
+    rim is where it crosses z = 0. What is not checked: that it does not cross itself. Raises
+    ValueError where the pieces do not join.
     """
 
     def __init__(self, pieces: Sequence[Array]) -> None:
@@ -55,28 +56,53 @@ class Meridian:
         return place, normal, beyond
 
     def gap(self, x: Array) -> Array:
-        """Distance (n,) [m] of ``x`` (n, 3) from the shell, below 0 outside."""
+        """Return the distance (n,) [m] of ``x`` (n, 3) [m] from the shell, below 0 outside."""
         return -self._nearest(x)[2]
 
     def normal(self, x: Array) -> Array:
-        """Outward unit normals (n, 3) where the shell is nearest to ``x`` (n, 3)."""
+        """Return outward unit normals (n, 3) where the shell is nearest to ``x`` (n, 3) [m]."""
         return self._nearest(x)[1]
 
     def project(self, x: Array) -> Array:
-        """The shell's nearest points (n, 3) to ``x`` (n, 3)."""
+        """Return the shell's nearest points (n, 3) [m] to ``x`` (n, 3) [m]."""
         return self._nearest(x)[0]
 
     def confine(self, x: Array, depth: Array | float = 0.0) -> Array:
-        """``x`` (n, 3), what lies less than ``depth`` (n,) sizes inside moved to there."""
+        """Return points moved to a depth inside the shell where they lie less deep.
+
+        Parameters
+        ----------
+        x
+            Points (n, 3) [m].
+        depth
+            Least depth over the shell's ``size`` (n,) [-].
+
+        Returns
+        -------
+        Array
+            The points (n, 3) [m].
+        """
         place, normal, beyond = self._nearest(x)
         depth = np.broadcast_to(depth, beyond.shape) * self.size
         inner = place - depth[:, None] * normal
         return np.where((beyond > -depth)[:, None], inner, x)
 
     def share_within(self, start: Array, shift: Array) -> float:
-        """Largest share in [0, 1] of ``shift`` (3,) that keeps ``start`` (k, 3) inside.
+        """Return the largest share of a shift that keeps all points inside.
 
         Of a convex shell; of another the first bisection's choice among several.
+
+        Parameters
+        ----------
+        start
+            Points (k, 3) [m], inside the shell.
+        shift
+            The shift of all of them (3,) [m].
+
+        Returns
+        -------
+        float
+            Share in [0, 1].
         """
         low, high = 0.0, 1.0
         if self.gap(start + shift).min() >= 0.0:
@@ -88,7 +114,10 @@ class Meridian:
         return low
 
     def along(self, arc: Array) -> tuple[Array, Array]:
-        """Radius and height (n,) [m] of the meridian ``arc`` (n,) [m] above the rim, along it."""
+        """Return the meridian's radius and height (n,) [m] at ``arc`` (n,) [m] above the rim.
+
+        ``arc`` is measured along the meridian.
+        """
         ends = np.cumsum(self._lengths)
         place = np.clip(arc + self._below_rim, 0.0, ends[-1])
         piece = np.minimum(np.searchsorted(ends, place), len(ends) - 1)
@@ -97,7 +126,7 @@ class Meridian:
         return r, z
 
     def arc_to(self, height: float) -> float:
-        """The reverse of ``along``: arc length [m] from the rim up to ``height`` [m]."""
+        """Return the arc length [m] from the rim up to ``height`` [m], the reverse of ``along``."""
         return self._length_to(height) - self._below_rim
 
     def _length_to(self, height: float) -> float:
@@ -123,21 +152,21 @@ class Meridian:
 
     @property
     def volume(self) -> float:
-        """Of the whole inside [m^3]."""
+        """Volume of the whole inside [m^3]."""
         return self.volume_below(self.poles[1])
 
     def volume_below(self, height: float) -> float:
-        """Volume [m^3] inside, below the plane z = ``height`` [m]."""
+        """Return the volume [m^3] inside, below the plane z = ``height`` [m]."""
         r, _, nr, _, ds = self._samples(height, NODES)
         return math.pi * float(np.sum(r * r * nr * ds))
 
     def moment_below(self, height: float) -> float:
-        """int z dV [m^4] over the inside below the plane z = ``height`` [m]."""
+        """Return int z dV [m^4] over the inside below the plane z = ``height`` [m]."""
         r, z, nr, _, ds = self._samples(height, NODES)
         return math.pi * float(np.sum(r * r * z * nr * ds))
 
     def level_of(self, volume: float, up: Array) -> float:
-        """Height [m] above the origin, along ``up`` (3,), of the surface of a level ``volume``.
+        """Return the height [m] above the origin, along ``up`` (3,), of a level liquid's surface.
 
         ``volume`` [m^3], from 0 to the shell's.
         """
@@ -172,10 +201,11 @@ class Meridian:
         return total
 
     def on_rays(self, directions: Array) -> Array:
-        """Where rays from the origin in ``directions`` (n, 3), of length 1, meet it (n, 3) [m].
+        """Return where rays from the origin meet the shell (n, 3) [m].
 
-        By Newton's method along each ray from outside: the distance from a convex shell is convex
-        along it, so that no step passes the shell.
+        ``directions`` (n, 3): unit vectors along the rays. By Newton's method along each ray from
+        outside: the distance from a convex shell is convex along it, so that no step passes the
+        shell.
         """
         reach = np.full(len(directions), self._reach)
         for _ in range(NEWTON):
@@ -187,11 +217,11 @@ class Meridian:
         return np.asarray(reach[:, None] * directions)
 
     def scaled(self, factor: float) -> Meridian:
-        """The shell ``factor`` times as large, about the origin."""
+        """Return the shell ``factor`` times as large, about the origin."""
         return Meridian(list(factor * self.profile))
 
     def quadrature(self, degree: int, height: float = 0.0) -> tuple[Array, Array]:
-        """Points (n, 3) [m] below z = ``height`` [m] and their outward area vectors (n, 3) [m^2].
+        """Return points (n, 3) [m] below z = ``height`` [m] and their outward areas (n, 3) [m^2].
 
         For products of two polynomials of ``degree``, one times the normal: exact around, to
         rounding along an arc of a quarter circle or less.
@@ -206,5 +236,5 @@ class Meridian:
         return points.reshape(-1, 3), area.reshape(-1, 3)
 
     def upper_part(self) -> UpperPart:
-        """The mould of a sheet that lies on the shell above the rim."""
+        """Return the mould of a sheet that lies on the shell above the rim."""
         return UpperPart(self)

@@ -17,15 +17,16 @@ LOOKS = 65  # points of a piece between which it crosses a plane once at most
 
 
 def line(start: tuple[float, float], end: tuple[float, float]) -> Array:
-    """A straight piece (7,) from ``start`` to ``end``, each r and z [m]."""
+    """Return a straight piece (7,) from ``start`` to ``end``, each r and z [m]."""
     return np.array([*start, *end, 0.0, 0.0, 0.0])
 
 
 def arc(centre: tuple[float, float], radius: float, start: float, end: float) -> Array:
-    """A piece (7,) of the circle of ``radius`` [m] about ``centre`` (r and z [m]).
+    """Return a piece (7,) of the circle of ``radius`` [m] about ``centre`` (r and z [m]).
 
     From the angle ``start`` to ``end`` [rad], 0 at the largest r: rising where the shell is convex.
-    ValueError for more than half a circle, which compiled code cannot tell from the rest of it.
+    Raises ValueError for more than half a circle, which compiled code cannot tell from the rest of
+    it.
     """
     if abs(end - start) > math.pi * (1.0 + JOINT):
         raise ValueError(f"meridian: an arc may be half a circle, got {abs(end - start):g} rad.")
@@ -35,7 +36,7 @@ def arc(centre: tuple[float, float], radius: float, start: float, end: float) ->
 
 
 def share_below(piece: Array, height: float) -> float:
-    """Share of a ``piece`` (7,) that rises through ``height`` [m] up to there."""
+    """Return the share of a ``piece`` (7,) that lies below the ``height`` [m] it rises through."""
 
     def above(share: float) -> float:
         return float(piece_points(piece[None], np.array([share]))[1][0]) - height
@@ -44,7 +45,10 @@ def share_below(piece: Array, height: float) -> float:
 
 
 def crossings(piece: Array, level: float, lean: float, rise: float) -> list[float]:
-    """Shares of a ``piece`` (7,), from 0 to 1, at which it or its mirror image meets a plane."""
+    """Return the shares of a ``piece`` (7,) at which it or its mirror image meets a plane.
+
+    Sorted, with 0 and 1 for its ends. The plane is ``lean`` r + ``rise`` z = ``level`` [m].
+    """
     share, found = np.linspace(0.0, 1.0, LOOKS), [0.0, 1.0]
     for side in (lean, -lean):
 
@@ -69,14 +73,29 @@ def _angles(pieces: Array) -> tuple[Array, Array]:
 
 
 def piece_length(piece: Array) -> float:
-    """Of a ``piece`` (7,) [m]."""
+    """Return the length [m] of a ``piece`` (7,)."""
     if piece[6] == 0.0:
         return math.hypot(piece[2] - piece[0], piece[3] - piece[1])
     return abs(float(piece[6] * _angles(piece[None])[1][0]))
 
 
 def piece_points(pieces: Array, share: Array) -> tuple[Array, Array, Array, Array]:
-    """r, z [m] and the normal's r and z (n,) of ``pieces`` (n, 7) at a ``share`` (n,) of each."""
+    """Return points of a meridian's pieces, and the shell's normals there.
+
+    Parameters
+    ----------
+    pieces
+        The piece of each point (n, 7).
+    share
+        Place of each point as a share of its piece's length, from its start (n,) [-].
+
+    Returns
+    -------
+    r, z : Array
+        The points (n,) [m].
+    nr, nz : Array
+        The outward unit normals' components (n,).
+    """
     r0, z0, r1, z1, a, b, radius = pieces.T
     straight = radius == 0.0
     start, turn = _angles(pieces)

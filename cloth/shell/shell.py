@@ -29,28 +29,44 @@ class Shell(Protocol):
         """Heights [m] of the lower and the upper pole."""
 
     def gap(self, x: Array) -> Array:
-        """Distance (n,) [m] of ``x`` (n, 3) from the shell, below 0 outside."""
+        """Return the distance (n,) [m] of ``x`` (n, 3) [m] from the shell, below 0 outside."""
 
     def normal(self, x: Array) -> Array:
-        """Outward unit normals (n, 3) where the shell is nearest to ``x`` (n, 3)."""
+        """Return outward unit normals (n, 3) where the shell is nearest to ``x`` (n, 3) [m]."""
 
     def project(self, x: Array) -> Array:
-        """The shell's nearest points (n, 3) to ``x`` (n, 3)."""
+        """Return the shell's nearest points (n, 3) [m] to ``x`` (n, 3) [m]."""
 
     def confine(self, x: Array) -> Array:
-        """``x`` (n, 3), what lies outside at the shell's nearest point."""
+        """Return ``x`` (n, 3) [m] with what lies outside moved to the shell's nearest point."""
 
     def share_within(self, start: Array, shift: Array) -> float:
-        """Largest share in [0, 1] of ``shift`` (3,) that keeps ``start`` (k, 3) inside."""
+        """Return the largest share of a shift that keeps all points inside.
+
+        Parameters
+        ----------
+        start
+            Points (k, 3) [m], inside the shell.
+        shift
+            The shift of all of them (3,) [m].
+
+        Returns
+        -------
+        float
+            Share in [0, 1].
+        """
 
     def volume_below(self, height: float) -> float:
-        """Volume [m^3] inside, below the plane z = ``height`` [m]."""
+        """Return the volume [m^3] inside, below the plane z = ``height`` [m]."""
 
     def along(self, arc: Array) -> tuple[Array, Array]:
-        """Radius and height (n,) [m] of the meridian ``arc`` (n,) [m] above the rim, along it."""
+        """Return the meridian's radius and height (n,) [m] at ``arc`` (n,) [m] above the rim.
+
+        ``arc`` is measured along the meridian.
+        """
 
     def arc_to(self, height: float) -> float:
-        """The reverse of ``along``: arc length [m] from the rim up to ``height`` [m]."""
+        """Return the arc length [m] from the rim up to ``height`` [m], the reverse of ``along``."""
 
 
 class NoShell:
@@ -61,35 +77,41 @@ class NoShell:
     profile = np.zeros((0, 1))
 
     def gap(self, x: Array) -> Array:
-        """Infinite (n,)."""
+        """Return infinite distances (n,)."""
         return np.full(len(x), np.inf)
 
     def normal(self, x: Array) -> Array:
-        """None: zeros (n, 3)."""
+        """Return zeros (n, 3): there are no normals."""
         return np.zeros_like(x)
 
     def project(self, x: Array) -> Array:
-        """``x`` (n, 3) itself."""
+        """Return ``x`` (n, 3) [m] itself."""
         return x
 
     def confine(self, x: Array) -> Array:
-        """``x`` (n, 3) itself."""
+        """Return ``x`` (n, 3) [m] itself."""
         return x
 
     def share_within(self, start: Array, shift: Array) -> float:
-        """1."""
+        """Return 1: nothing limits a shift.
+
+        Parameters
+        ----------
+        start, shift
+            Points (k, 3) [m] and their shift (3,) [m], of no effect.
+        """
         return 1.0
 
     def volume_below(self, height: float) -> float:
-        """0."""
+        """Return 0: no volume lies below the rim."""
         return 0.0
 
     def along(self, arc: Array) -> tuple[Array, Array]:
-        """Raises ValueError."""
+        """Raise ValueError: there is no meridian."""
         raise ValueError("cloth: there is no shell.")
 
     def arc_to(self, height: float) -> float:
-        """Raises ValueError."""
+        """Raise ValueError: there is no meridian."""
         raise ValueError("cloth: there is no shell.")
 
 

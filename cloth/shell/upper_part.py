@@ -15,14 +15,14 @@ class UpperPart:
         self.shell, self.length = shell, shell.arc_to(shell.poles[1])
 
     def ring(self, number: int, rings: int) -> tuple[float, float]:
-        """Radius and height [m] of a parallel circle, see ``Mould``; the rim's height is exact."""
+        """Return radius and height [m] of a parallel circle, see ``Mould``; exact at the rim."""
         if number in (0, rings):
             return (self.shell.size, 0.0) if number else (0.0, self.shell.poles[1])
         r, z = self.shell.along(np.array([self.length * (1.0 - number / rings)]))
         return float(r[0]), float(z[0])
 
     def directions(self, points: Array) -> Array:
-        """The chart (n, 3) on the unit hemisphere of ``points`` (n, 3) [m], see ``Mould``."""
+        """Map ``points`` (n, 3) [m] to the unit hemisphere (n, 3), as the chart of ``Mould``."""
         height = self.shell.project(points)[:, 2]
         polar = [0.5 * np.pi * (1.0 - self.shell.arc_to(z) / self.length) for z in height.tolist()]
         across = np.hypot(points[:, 0], points[:, 1])
