@@ -8,10 +8,26 @@ from coupling.ports import Array, Ints, Shell
 
 
 def liquid_cg(position: Array, triangles: Ints, shell: Shell, volume: float) -> Array:
-    """Centre of gravity (3,) [m] of the liquid below the diaphragm at ``position`` (n, 3) [m].
+    """Return the centre of gravity of the liquid below the diaphragm, exactly for its triangles.
 
-    The part of the ``shell`` below the rim and the cone from the diaphragm to the origin in the
-    rim's plane, of ``volume`` [m^3] together. Exact for the triangles.
+    The liquid is the part of the shell below the rim and the cone from the diaphragm to the origin
+    in the rim's plane. That both together have the given volume is not checked.
+
+    Parameters
+    ----------
+    position
+        Nodes of the diaphragm (n, 3) [m].
+    triangles
+        Nodes of each triangle (m, 3), counter-clockwise seen from the gas.
+    shell
+        The shell.
+    volume
+        Volume of the liquid [m^3], of both parts together.
+
+    Returns
+    -------
+    Array
+        Centre of gravity (3,) [m] from the origin.
     """
     a, b, c = (position[triangles[:, k]] for k in range(3))
     cone = np.einsum("mx,mx->m", a, np.cross(b, c)) / 6.0

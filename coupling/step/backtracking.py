@@ -31,9 +31,28 @@ class Backtracking:
         self.settings = settings
 
     def nearest(self, ask: Callable[[Array], Answer], goal: Array, start: Array) -> Answer:
-        """What ``ask`` says of ``goal`` (n, 3) [m], or half the way there from ``start``, and on.
+        """Return the answer for a goal, or for a point on the way to it where the goal has none.
 
-        Raises the ``StepFailed`` or ArithmeticError that ``ask`` fails with at the last.
+        The way is halved after every failure.
+
+        Parameters
+        ----------
+        ask
+            Gives the answer for positions (n, 3) [m].
+        goal
+            Positions asked for (n, 3) [m].
+        start
+            Positions from which the way leads to them (n, 3) [m].
+
+        Returns
+        -------
+        Answer
+            What ``ask`` returns for the first point at which it does not fail.
+
+        Raises
+        ------
+        StepFailed, ArithmeticError
+            What ``ask`` fails with at the last.
         """
         for _ in range(self.settings.halvings):
             try:

@@ -22,19 +22,33 @@ class Convergence:
     acceleration: float
 
     def relative(self, residual: Array, increment: Array, dt: float) -> float:
-        """Residual over what it is measured by; converged at or below ``tolerance``.
+        """Return the residual over what it is measured by; converged at or below ``tolerance``.
 
-        ``residual``: interface displacement (p, 3) [m] a further iteration would add;
-        ``increment``: that of the whole step of ``dt`` [s].
+        Parameters
+        ----------
+        residual
+            Displacement of the interface (p, 3) [m] that a further iteration would add.
+        increment
+            Displacement of the interface in the whole step (p, 3) [m].
+        dt
+            Length of the step [s].
+
+        Returns
+        -------
+        float
+            Relative residual [-].
         """
         return rms(residual) / (rms(increment) + self.acceleration * dt**2)
 
     def is_far(self, relative: list[float]) -> bool:
-        """Whether iterations that left ``relative`` residuals have come less than half the way."""
+        """Return whether the ``relative`` residuals came less than half the way to the tolerance.
+
+        In their logarithms, from the first to the last.
+        """
         first, last = relative[0], relative[-1]
         return last / self.tolerance > first / last
 
 
 def rms(vectors: Array) -> float:
-    """Root mean square length of ``vectors`` (p, 3)."""
+    """Return the root mean square length of ``vectors`` (p, 3), in their unit."""
     return float(np.sqrt(np.mean(np.sum(vectors**2, axis=-1))))
