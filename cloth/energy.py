@@ -65,10 +65,10 @@ def sheet_energy(model: ClothModel, memory: Memory) -> SheetEnergy:
 def sheet_losses(model: ClothModel, settings: Settings, memory: Memory, b: float) -> SheetLosses:
     """Return the mean powers that damping took in the step that led to ``memory``.
 
-    ``b`` [s] of the implicit formula is that of ``cloth.inertia``; 0 where there was no step, which
-    takes nothing. The damping's forces are those of an implicit step, at its end, and their work is
-    that on the step's own displacement. The speed at the end times the length of the step would
-    count grid-scale trembling twice.
+    ``b`` [s] of the implicit formula is that of ``cloth.kinematics``; 0 where there was no step,
+    which takes nothing. The damping's forces are those of an implicit step, at its end, and their
+    work is that on the step's own displacement. The speed at the end times the length of the step
+    would count grid-scale trembling twice.
     """
     x, v, dt = memory.position, memory.velocity, float(memory.previous_dt[0])
     if not (dt > 0.0 and b > 0.0):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cloth.arrays import Array
-from cloth.inertia import Kinematics
+from cloth.kinematics import Kinematics
 from cloth.linear import System
 from cloth.load import Load, Settings
 from cloth.model import ClothModel

@@ -9,8 +9,8 @@ import numpy as np
 from cloth.arrays import Array
 from cloth.committed import committed
 from cloth.energy import SheetEnergy, SheetLosses, rubber_at, sheet_energy
-from cloth.inertia import Kinematics, kinematics
 from cloth.iteration import iterate
+from cloth.kinematics import Kinematics, kinematics
 from cloth.linear import System
 from cloth.load import Load, Settings, penalty_of
 from cloth.material import Diaphragm

@@ -1,1 +1,1 @@
-"""The liquid's mesh and the finite volumes on it, as OpenFOAM has them, without OpenFOAM."""
+"""The liquid's mesh, how it moves, and finite volumes on it, as OpenFOAM's, without OpenFOAM."""

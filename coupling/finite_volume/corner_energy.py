@@ -1,4 +1,4 @@
-"""The energy of a mesh's corners, each a small neo-Hookean body (form: ``smoothing``)."""
+"""The energy of a mesh's corners, each a small neo-Hookean body (form: ``elastic_mesh``)."""
 
 from __future__ import annotations
 

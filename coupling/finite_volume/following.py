@@ -6,6 +6,7 @@ import logging
 
 import numpy as np
 
+from coupling.finite_volume.elastic_mesh import ElasticMesh, MeshFolds
 from coupling.finite_volume.geometry import (
     CellGeometry,
     cell_geometry,
@@ -15,7 +16,6 @@ from coupling.finite_volume.geometry import (
 )
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.mesh_shape import MeshShape
-from coupling.finite_volume.smoothing import ElasticMesh, MeshFolds
 from coupling.finite_volume.swept import level_shift
 from coupling.ports import Array, Cause, Ints, RunFailed, Shell, StepFailed
 
@@ -171,7 +171,7 @@ class FollowingMesh:
         patch = self._inside(patch)
         outline = self._outline(patch)
         if self._base is not None:
-            points = self._elastic.follow(self._base, outline)
+            points = self._elastic.carried(self._base, outline)
             geometry = cell_geometry(self.mesh, points)
         if self._base is None or not geometry.volume.min() > 0:
             points, geometry = self._relaxed(outline, moment)

@@ -14,7 +14,7 @@ from coupling.registry import Registry
 if TYPE_CHECKING:  # a scene reads the names before there is a scene that a model could be of
     from coupling.fluids.model import FluidModel
 
-__all__ = ["ASSUMED", "FLUIDS", "by_rank"]
+__all__ = ["ASSUMED", "DEFAULT", "FLUIDS", "by_rank"]
 
 # the simplest first, the one that leaves out least last
 FLUIDS: Registry[FluidModel] = Registry(
@@ -26,6 +26,7 @@ FLUIDS: Registry[FluidModel] = Registry(
         "openfoam": "coupling.fluids.openfoam.model:OPENFOAM",
     },
 )
+DEFAULT = "openfoam"  # of a scene that names none
 ASSUMED = "hydrostatic"  # the assumption that a study puts to the test
 
 

@@ -7,6 +7,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from coupling.ports import Array
+from coupling.scene.motion_table import MotionTable
 from coupling.scene.sections import Motion
 
 
@@ -46,6 +47,11 @@ class MotionKind:
     def motion(self, section: Motion) -> TankMotion:
         """The tank's motion that ``section`` describes."""
         raise NotImplementedError
+
+    def record(self, section: Motion) -> MotionTable | None:
+        """The measured accelerations that it follows, None where it follows none."""
+        del section
+        return None
 
     def problems(self, section: Motion, end: float) -> list[str]:
         """One line ``key: what is wrong. Mend.`` each, of a run that ends at ``end`` [s]."""

@@ -41,9 +41,9 @@ class RecordSummary:
 
 def record_summary(scene: Scene) -> RecordSummary | None:
     """Of the accelerations that shake a scene's tank; None where they come from no table."""
-    if not MOTIONS[scene.motion.kind].reads_file:
+    table = MOTIONS[scene.motion.kind].record(scene.motion)
+    if table is None:
         return None
-    table = scene.motion.record
     above = table.power_above(_carried(scene))
     return RecordSummary(
         says=_line(scene, table, above),

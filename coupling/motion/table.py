@@ -45,7 +45,7 @@ class TableMotion:
 
         Carried along the line through the mean over the step before. This is the difference of the
         tank's velocity, the integral of the table, by the steps' own implicit formula
-        (``cloth.inertia``): a body that nothing holds changes its velocity in every step by the
+        (``cloth.kinematics``): a body that nothing holds changes its velocity in every step by the
         integral over it, exactly. A sample would take what is faster than the steps for slow motion
         or miss it, and the mean alone, used at the step's end, would be late by half a step.
         """
@@ -71,6 +71,10 @@ class Table(MotionKind):
     def motion(self, section: Motion) -> TankMotion:
         """Of the section's record."""
         return TableMotion(section.record)
+
+    def record(self, section: Motion) -> MotionTable | None:
+        """The section's table."""
+        return section.record
 
     def problems(self, section: Motion, end: float) -> list[str]:
         """A table that cannot be read, or does not cover the run."""

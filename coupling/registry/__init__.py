@@ -32,8 +32,7 @@ class Registry(Mapping[str, T], Generic[T]):
         """The entry called ``name``; KeyError with all names for an unknown one."""
         if name not in self._places:
             raise KeyError(f"unknown {self.what} '{name}'. There are {', '.join(self)}.")
-        module, _, attribute = self._places[name].partition(":")
-        entry: T = getattr(import_module(module), attribute)
+        entry: T = named_at(self._places[name])
         return entry
 
     def __iter__(self) -> Iterator[str]:
@@ -55,19 +54,30 @@ class Registry(Mapping[str, T], Generic[T]):
         """Place of ``name`` in the list, 0 for the first; ValueError for an unknown one."""
         return self.names.index(name)
 
-    def add(self, name: str, place: str) -> None:
-        """Append an entry at ``place``, "package.module:OBJECT": that of a package of one's own."""
+    def add(self, name: str, place: str, *, before: str | None = None) -> None:
+        """List an entry of one's own at ``place``, "package.module:OBJECT", last or ``before`` one.
+
+        Raises ValueError where the name is listed already.
+        """
         if name in self._places:
             raise ValueError(f"there is a {self.what} '{name}' already")
-        self._places[name] = place
+        names = list(self._places)
+        names.insert(len(names) if before is None else names.index(before), name)
+        places = self._places | {name: place}
+        self._places = {listed: places[listed] for listed in names}
 
     def remove(self, name: str) -> None:
         """The reverse of ``add``."""
         del self._places[name]
 
 
+def named_at(place: str) -> Any:
+    """What stands at ``place``, "package.module:NAME"."""
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
+
+
 def registry_at(place: str) -> Registry[Any]:
     """The list at ``place``, "package:NAME"."""
-    module, _, name = place.partition(":")
-    found: Registry[Any] = getattr(import_module(module), name)
+    found: Registry[Any] = named_at(place)
     return found

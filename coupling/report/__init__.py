@@ -1,4 +1,4 @@
-"""One HTML file that says what a run or a study found, from its files alone."""
+"""One HTML file that says what a run, a study or a sweep found, from its files alone."""
 
 from coupling.report import plotting  # isort: skip  # noqa: F401 - before any other import of matplotlib
 from coupling.report.picture import render_picture

@@ -25,7 +25,7 @@ from coupling.report.files import RunFiles
 from coupling.report.instants import sections, views
 from coupling.report.page import Page, Picture, Section, number
 from coupling.report.rub_maps import rub_maps
-from coupling.report.scene_table import (
+from coupling.report.run_tables import (
     cost_table,
     motion_table,
     quality_table,

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from coupling.report.error_figures import errors_figure, front_figure
-from coupling.report.error_tables import errors_table, front_table, ratios_table
 from coupling.report.figures import model_legend, overlay
 from coupling.report.files import RunFiles, pressure_rms, read_run
 from coupling.report.instants import overlaid_sections
 from coupling.report.page import Page, Section, percent
 from coupling.report.run_report import pressure_section, provenance, quality_section
-from coupling.report.scene_table import scene_tables
+from coupling.report.run_tables import scene_tables
+from coupling.report.study_figures import errors_figure, front_figure
+from coupling.report.study_tables import errors_table, front_table, ratios_table
 from coupling.report.viewer import study_view
 
 _CURVELESS = ("compliant", "inextensible")  # lies on the curve of the model it changes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
-from coupling.registry import registry_at
+from coupling.registry import named_at, registry_at
 
 if TYPE_CHECKING:
     from coupling.scene.sections import Motion
@@ -34,6 +34,11 @@ def motion_kinds() -> tuple[str, ...]:
     return registry_at("coupling.motion:MOTIONS").names
 
 
+def motions_with(key: str) -> tuple[str, ...]:
+    """Names of the kinds of motion that need ``key`` of their section."""
+    return tuple(name for name in motion_kinds() if key in motion_kind(name).needs)
+
+
 def motion_kind(name: str) -> MotionKind:
     """The kind of motion called ``name``."""
     kind: MotionKind = registry_at("coupling.motion:MOTIONS")[name]
@@ -50,9 +55,9 @@ def keeps_volume(fluid: str) -> bool:
     return fluid == AUTO or bool(registry_at("coupling.fluids:FLUIDS")[fluid].keeps_volume)
 
 
-def best_fluid_model() -> str:
-    """The one that leaves out least."""
-    return fluid_models()[-1]
+def default_fluid_model() -> str:
+    """That of a scene which names none."""
+    return str(named_at("coupling.fluids:DEFAULT"))
 
 
 def tank_shapes() -> tuple[str, ...]:

@@ -122,7 +122,8 @@ class Coupling(Section):
     """How diaphragm and flow are made to agree within a step."""
 
     scheme: Annotated[str, one_of(schemes)] = Field(
-        default_factory=best_scheme, description="name of a coupling scheme"
+        default_factory=best_scheme,
+        description="name of a coupling scheme, for a fluid model that iterates",
     )
     tolerance: float = Field(default=1e-4, gt=0, lt=1, description="relative residual to reach")
     max_iterations: int = Field(default=30, ge=1, le=MOST, description="most iterations of a step")

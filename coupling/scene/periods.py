@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
+from coupling.scene.choices import motions_with
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST
 from coupling.scene.sections import LARGEST, LEAST
 
@@ -47,7 +48,7 @@ def _problem(key: str, time: Mapping[str, Any], motion: Any) -> str:
             f"time.{key}: stands in place of time.{replaced}, got {time[key]} and "
             f"{time[replaced]}. Leave one of the two out."
         )
-    if not isinstance(motion, dict) or motion.get("kind") != "sine":
+    if not isinstance(motion, dict) or motion.get("kind") not in motions_with("frequency"):
         return f'time.{key}: needs motion.kind = "sine". Give time.{replaced} in seconds.'
     if not _positive(motion.get("frequency")):
         return f"time.{key}: needs a positive motion.frequency. Give the frequency [Hz]."

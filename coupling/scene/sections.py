@@ -15,7 +15,14 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_valida
 from pydantic_core import PydanticCustomError
 
 from coupling.ports import Array
-from coupling.scene.choices import AUTO, best_fluid_model, fluid_models, motion_kinds, one_of
+from coupling.scene.choices import (
+    AUTO,
+    default_fluid_model,
+    fluid_models,
+    motion_kinds,
+    motions_with,
+    one_of,
+)
 from coupling.scene.liquids import LIQUIDS
 from coupling.scene.motion_table import MotionTable, read_motion_table
 
@@ -139,7 +146,7 @@ class Motion(Section):
         problem = ""
         if given.get("amplitude") is not None:
             problem = f"got {acceleration} beside an amplitude. Leave one of the two out."
-        elif given.get("kind") != "sine":
+        elif given.get("kind") not in motions_with("amplitude"):
             problem = f'got {acceleration} without a sine. Take kind = "sine", or leave it out.'
         if problem:
             raise PydanticCustomError(
@@ -163,7 +170,6 @@ class Motion(Section):
     @cached_property
     def record(self) -> MotionTable:
         """The accelerations of a ``table``, read once. Raises ``TableError``."""
-        assert self.kind == "table"
         assert self.file is not None
         return read_motion_table(Path(self.file))
 
@@ -179,7 +185,7 @@ class Model(Section):
     """Which liquid the diaphragm feels."""
 
     fluid: Annotated[str, one_of(fluid_models, AUTO)] = Field(
-        default_factory=best_fluid_model,
+        default_factory=default_fluid_model,
         description=f'name of a fluid model, or "{AUTO}" for the cheapest that keeps the tolerance',
     )
     tolerance: float = Field(

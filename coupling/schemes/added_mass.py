@@ -9,6 +9,9 @@ from coupling.schemes.iqn_ils import IqnIls
 class AddedMass(IqnIls):
     """Quasi-Newton steps of a structure that carries the liquid's inertia (Robin-Neumann).
 
+    ``takes_inertia`` makes ``InterfaceProblem`` put that into the structure's step, and the balance
+    of it into the flow's pressure; ``LiquidInertia`` is the matrix.
+
     The plain fixed point then has the factor (M_flow - M_a) c / ((M_s + M_a) c + K) per mode, small
     when M_a is the flow's own discrete operator, so that the first step needs no relaxation. In
     violent sway at 10 ms it is 0.11, spread over the whole interface. That is no matter of

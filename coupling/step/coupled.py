@@ -64,7 +64,7 @@ class CoupledStep:
     5. x becomes the scheme's update of (x, r), or where that is slow the solution with the
        surrogate (``Surrogate``). Go on from 2.
 
-    The policies are those of a scheme with ``liquid_inertia`` (see ``InterfaceProblem``), which
+    The policies are those of a scheme with ``takes_inertia`` (see ``InterfaceProblem``), which
     needs them in slams; other schemes stay as their papers have them. ``record`` is called after
     every iteration with time [s], iteration, relative residual, seconds.
     """
@@ -76,7 +76,7 @@ class CoupledStep:
         mapping: InterfaceMap,
         scheme: Scheme,
         *,
-        liquid_inertia: bool,
+        takes_inertia: bool,
         convergence: Convergence,
         max_iterations: int,
         record: Callable[[float, int, float, float], None],
@@ -84,10 +84,10 @@ class CoupledStep:
     ) -> None:
         self.settings = settings or CoupledSettings()
         self.problem = InterfaceProblem(
-            structure, flow, mapping, liquid_inertia=liquid_inertia,
+            structure, flow, mapping, takes_inertia=takes_inertia,
             backtracking=Backtracking(self.settings.backtracking),
         )  # fmt: skip
-        policies = self.settings if liquid_inertia else _NO_POLICIES
+        policies = self.settings if takes_inertia else _NO_POLICIES
         self.backtracking = Backtracking(policies.backtracking)
         self.remap, self.surrogate = Remap(policies.remap), Surrogate(policies.surrogate)
         self.scheme = scheme

@@ -16,7 +16,7 @@ from coupling.step.stopwatch import Stopwatch
 class InterfaceProblem:
     """x = S(F(x)) of the interface x (p, 3) [m] at a step's end, ``structure`` S and ``flow`` F.
 
-    With ``liquid_inertia`` the flow's own inertia operator M_a enters the structure's step, and the
+    With ``takes_inertia`` the flow's own inertia operator M_a enters the structure's step, and the
     flow hands back its defect p + M_a a only, which is small and smooth in time: extrapolated from
     former steps it is the predictor. The operator belongs to the shape at the step's end, as the
     diaphragm's velocity has it, and so does the ``mapping``. Where the flow has no mesh for that
@@ -35,11 +35,11 @@ class InterfaceProblem:
         flow: Flow,
         mapping: InterfaceMap,
         *,
-        liquid_inertia: bool,
+        takes_inertia: bool,
         backtracking: Backtracking,
     ) -> None:
         self.structure, self.flow, self.mapping = structure, flow, mapping
-        self.liquid_inertia, self.backtracking = liquid_inertia, backtracking
+        self.takes_inertia, self.backtracking = takes_inertia, backtracking
         self.watch = Stopwatch("structure", "fluid", "mapping")
         self._defects = Defects()
         self._request: StepRequest | None = None
@@ -90,7 +90,7 @@ class InterfaceProblem:
                 slid = self.flow.close_volume(step_map.to_flow(state.position) + shift, shell)
             self.flow.begin_step(request.time, request.dt, shell=shell, start=slid)
         inertia, rows = None, None
-        if self.liquid_inertia:
+        if self.takes_inertia:
             with self.watch.timed("fluid"):
                 inertia = self.flow.liquid_inertia(ahead)
             with self.watch.timed("mapping"):

@@ -109,7 +109,7 @@ def _recorded(flow: OpenFoamFlow, step: float) -> tuple[Array, Array, Array, flo
     surface = FreeSurface(patch, flow.faces, path, mass=1e-3, density=DENSITY, gravity=GRAVITY)
     flow.start(patch, shell, 2 * np.pi * RADIUS**3 / 3)
     coupled = CoupledStep(
-        surface, flow, Matching(), AddedMass(), liquid_inertia=True, max_iterations=30,
+        surface, flow, Matching(), AddedMass(), takes_inertia=True, max_iterations=30,
         convergence=Convergence(tolerance=1e-4, acceleration=GRAVITY * TILT),
         record=lambda *_: None,
     )  # fmt: skip

@@ -98,7 +98,7 @@ def _release(
         body, flow, Matching(), kind.of(Coupling(relaxation=RELAXATION, reuse=0)),
         max_iterations=200, record=record,
         convergence=Convergence(tolerance=TOLERANCE, acceleration=OMEGA**2 * AMPLITUDE),
-        liquid_inertia=kind.takes_inertia,
+        takes_inertia=kind.takes_inertia,
     )  # fmt: skip
     load = HydrostaticLoad(density=DENSITY, body_force=np.zeros(3))
     steps = int(np.ceil(PERIODS * 2 * np.pi / OMEGA / step))

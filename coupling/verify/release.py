@@ -28,7 +28,7 @@ def coupled_release(
     ``acceleration`` [m/s^2]: the surface's largest, whose way in a step is what counts as small.
     """
     coupled = CoupledStep(
-        surface, flow, Matching(), AddedMass(), liquid_inertia=True, max_iterations=30,
+        surface, flow, Matching(), AddedMass(), takes_inertia=True, max_iterations=30,
         convergence=Convergence(tolerance=1e-4, acceleration=acceleration),
         record=lambda *_: None,
     )  # fmt: skip

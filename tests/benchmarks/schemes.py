@@ -23,10 +23,11 @@ from typing import Any
 sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
 
 from coupling.scene.scene import load_scene
+from coupling.schemes import SCHEMES as LISTED
 from coupling.simulation.driver import run
 
 SCENE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"
-SCHEMES = ("added-mass", "iqn-ils", "aitken", "fixed-point")
+SCHEMES = tuple(LISTED)
 STEPS, FILLS = (0.01, 0.005, 0.0025), (0.8, 0.5)
 DENSITY, FACTORS = 1070.0, (0.01, 0.1, 1.0, 10.0, 100.0)
 MOVING = 1e-2  # of rho g R^3, left by settling: a sheet heavier than its liquid sinks on and on

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg as sl
 
-from cloth.inertia import kinematics
+from cloth.kinematics import kinematics
 from cloth.load import Settings
 from cloth.material import diaphragm
 from cloth.mesh import Mesh, border_nodes, hemisphere

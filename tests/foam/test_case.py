@@ -11,7 +11,7 @@ import pytest
 from PyFoam.LogAnalysis.FoamLogAnalyzer import FoamLogAnalyzer
 from PyFoam.LogAnalysis.RegExpLineAnalyzer import RegExpLineAnalyzer
 
-from cloth.inertia import kinematics
+from cloth.kinematics import kinematics
 from cloth.shell.sphere import Sphere
 from coupling.finite_volume.geometry import cell_geometry, fan_volume, non_orthogonality
 from coupling.finite_volume.gradients import wall_distance

@@ -78,7 +78,7 @@ class OpenFoamStep:
         kind = SCHEMES[scene.coupling.scheme]
         self.coupled = CoupledStep(
             cloth, self.flow, self.mapping, kind.of(scene.coupling),
-            liquid_inertia=kind.takes_inertia,
+            takes_inertia=kind.takes_inertia,
             convergence=Convergence(
                 tolerance=scene.coupling.tolerance,
                 acceleration=float(np.linalg.norm(scene.gravity)),

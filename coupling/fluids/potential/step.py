@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cloth.inertia import kinematics
+from cloth.kinematics import kinematics
 from coupling.fluids.potential.liquid import PotentialLiquid
 from coupling.fluids.sampled import liquid_metrics
 from coupling.ports import (

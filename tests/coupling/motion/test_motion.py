@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cloth.inertia import kinematics
+from cloth.kinematics import kinematics
 from coupling.motion.shaking import motion_of
 from coupling.motion.sine import SineMotion, smooth_ramp
 from coupling.motion.table import TableMotion

@@ -26,7 +26,7 @@ from coupling.report.page import number, percent
 from coupling.report.picture import period_rows
 from coupling.report.rub_maps import rub_maps
 from coupling.report.run_report import run_page
-from coupling.report.scene_table import quality_table, rubber_table
+from coupling.report.run_tables import quality_table, rubber_table
 from coupling.report.section_cut import cut
 from coupling.scene.scene import Scene, scene_toml
 from coupling.store.atomic import write_json

@@ -16,7 +16,7 @@ from coupling.report import write_report
 from coupling.report.energy_section import energy_section
 from coupling.report.files import RunFiles, read_run
 from coupling.report.run_report import run_page
-from coupling.report.scene_table import motion_table, rubber_table
+from coupling.report.run_tables import motion_table, rubber_table
 from coupling.scene.scene import Scene, load_scene
 from coupling.simulation.driver import run as run_scene
 from coupling.store.atomic import write_json

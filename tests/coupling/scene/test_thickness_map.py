@@ -135,7 +135,8 @@ def test_the_cloth_is_as_thick_as_the_map_says(folder: Path):
     cloth = diaphragm_of(scene)
     ridges = read_thickness_map(folder / "ridges.csv")
     centroid = cloth.reference[cloth.triangles].mean(axis=1)
-    np.testing.assert_array_equal(cloth.thickness, ridges.at(centroid))
+    # the places go through the mould's chart and back, to rounding
+    np.testing.assert_allclose(cloth.thickness, ridges.at(centroid), rtol=1e-14)
     assert np.ptp(cloth.thickness) > 0.002
     # The inscribed triangles' area is O(h^2) short of the hemisphere's; h = pi/40.
     area = 2 * np.pi * RADIUS**2

@@ -103,7 +103,7 @@ class Linear:
 def coupled(problem, scheme, *, policies=True, **settings):
     """A step on ``problem``, whose structure and flow nobody asks."""
     step = CoupledStep(
-        None, None, None, scheme, liquid_inertia=policies, convergence=CRITERION,
+        None, None, None, scheme, takes_inertia=policies, convergence=CRITERION,
         max_iterations=30, record=lambda *_: None, settings=CoupledSettings(**settings),
     )  # fmt: skip
     step.problem = problem

@@ -7,8 +7,8 @@ from typing import Any
 
 from coupling.fluids import FLUIDS
 from coupling.metrics.comparison import Errors
-from coupling.report.error_figures import COLUMNS, RESOLUTIONS
 from coupling.report.page import Table, number, percent
+from coupling.report.study_figures import COLUMNS, RESOLUTIONS
 
 _TIMES = (
     "Wall times are of one run each, settling included; all kernels were compiled before the first."

@@ -82,7 +82,7 @@ class ElasticMesh:
         MeshFolds
             No valid mesh is found, or the boundary alone inverts a corner.
         """
-        goal = self.follow(start, boundary)
+        goal = self.carried(start, boundary)
         if not np.isfinite(goal).all() or self._least(goal, self._imposed) <= FLATTEST * size:
             raise MeshFolds
         points = self._carried(start, boundary, size)
@@ -99,7 +99,7 @@ class ElasticMesh:
             after = min(1.0, done + part)
             goal = points.copy()
             goal[self.boundary] = start[self.boundary] + after * shift
-            relaxed = self._minimise(self.follow(points, goal), size)
+            relaxed = self._minimise(self.carried(points, goal), size)
             if relaxed is not None:
                 points, done = relaxed, after
             elif part > 1.0 / SPLITS:
@@ -134,7 +134,7 @@ class ElasticMesh:
         edges = points[corners[:, 1:]] - points[corners[:, :1]]
         return float((np.linalg.det(edges) * np.linalg.det(self._inverse[which])).min())
 
-    def follow(self, points: Array, boundary: Array) -> Array:
+    def carried(self, points: Array, boundary: Array) -> Array:
         """Return the points with the interior following the boundary harmonically, which is linear.
 
         Parameters
