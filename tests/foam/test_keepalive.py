@@ -57,7 +57,7 @@ def stepped(flow, number, *, tries=()):
     flow.begin_step(number * STEP, STEP)
     for size in (*tries, SIZES[number]):
         pressure = flow.solve(moved(flow, size)).copy()
-    velocity = flow._velocity.copy()
+    velocity = flow._solution.velocity.copy()
     return pressure, velocity, flow.accept_step()
 
 
@@ -137,7 +137,7 @@ def test_files_are_those_of_a_restart(flow_of, alive, steps):
     assert (read_points(folder / "polyMesh" / "points") == staying.mesh_points).all()
     assert "Mesh OK." in check_mesh(staying, "-latestTime")
     velocity = read_cells(folder / "U", staying.mesh.cells)
-    assert (velocity == staying._velocity).all()
+    assert (velocity == staying._solution.velocity).all()
 
 
 @pytest.mark.parametrize("lost", [False, True], ids=["", "lost"])
