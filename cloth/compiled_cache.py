@@ -27,6 +27,7 @@ class _UserWide(caching.UserWideCacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> Any:
+        """Return numba's locator, None where there is no home."""
         try:
             Path("~").expanduser()
         except RuntimeError:
@@ -42,6 +43,7 @@ class _Results(caching.CompileResultCacheImpl):
         super().__init__(py_func)
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        """Return numba's name, marked as that of a file with a digest."""
         return f"digest-{super().get_filename_base(fullname, abiflags)}"
 
 
@@ -49,6 +51,7 @@ class _Files(caching.IndexDataCacheFile):
     """Numba's two kinds of files, each behind its digest."""
 
     def save(self, key: Any, data: Any) -> None:
+        """Save as numba does; a disk that cannot be written is reported once, and ends nothing."""
         try:
             super().save(key, data)
         except OSError as error:

@@ -77,6 +77,7 @@ class _Record:
         return waiting
 
     def add(self, point: Point, model: str, summary: Summary) -> None:
+        """Take in a run that has ended; write the files where it completes its point."""
         self._keep(point, model, summary)
         if point.name in self._rows:
             self.write()
@@ -90,6 +91,7 @@ class _Record:
             self._rows[point.name] = row_of(point, self.folder / POINTS / point.name, ordered)
 
     def write(self) -> dict[str, Any]:
+        """Write ``sweep.json`` and ``sweep.csv``; return what the former holds."""
         rows = [self._rows[point.name] for point in self.plan.points if point.name in self._rows]
         title = next(iter(self.plan.points[0].scenes.values())).title
         content = sweep_json(self.plan, title, rows)

@@ -148,4 +148,5 @@ class _LeaveInterrupts(WorkerPlugin):
     """Ctrl-C reaches every process of a terminal: the command alone acts on it."""
 
     def setup(self, worker: Worker) -> None:
+        """Ignore the signal in a worker that starts."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)

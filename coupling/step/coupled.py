@@ -59,8 +59,9 @@ class CoupledStep:
     2. Iterate: x~ = S(F(x)), r = x~ - x. Where x has no answer it goes back towards the last x that
        had one (``Backtracking``).
     3. Converged, |r| small by ``Convergence``, or ``max_iterations`` done: the step ends at x.
-    4. Where the map leads astray, go on from 1 with the map for where the structure has come to
-       (``Remap``); where x diverges, the step fails and is halved (``Halving``).
+    4. Where the iteration stagnates or diverges on its map, go on from 1 with the map for where the
+       structure has come to (``Remap``); where x diverges, the step fails and is halved
+       (``Halving``).
     5. x becomes the scheme's update of (x, r), or where that is slow the solution with the
        surrogate (``Surrogate``). Go on from 2.
 

@@ -1,4 +1,4 @@
-"""When a step's map leads astray, and is made anew for where the structure has come to."""
+"""When a step gets a new map, of where the structure has come to in place of the prediction."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from coupling.step.history import History
 class RemapSettings:
     """Constants of the remapping, found by trial on violent sways.
 
-    - ``slow``: iterations on a map before its rate is judged; it leads astray where they have come
-      less than half the way, in orders of magnitude (``Convergence.is_far``);
+    - ``slow``: iterations on a map before its rate is judged; the iteration stagnates where they
+      have come less than half the way, in orders of magnitude (``Convergence.is_far``);
     - ``maps``: of a step, at most; with 1 the map of the step's start is kept. A violent sway
       from rest at a fill of 0.5 then takes up to 30 iterations in a step, the most allowed, in
       place of 14, and 4.15 on average in place of 3.93.
@@ -24,10 +24,9 @@ class RemapSettings:
 
 
 class Remap:
-    """The map of a step is that of where the diaphragm is heading.
+    """The map of a step is that of the diaphragm's predicted position.
 
-    Where the diaphragm does not come to be there, the map leads astray: iterations on it diverge,
-    or get nowhere.
+    Where the prediction is far off, iterations on its map diverge or stagnate.
     """
 
     def __init__(self, settings: RemapSettings) -> None:

@@ -148,7 +148,7 @@ def test_a_surrogate_that_does_no_better_is_given_up():
     assert following(1.0, 0.9, 0.8) is not None
 
 
-def test_a_map_that_leads_astray_is_made_anew_within_the_step():
+def test_a_step_that_stagnates_on_its_map_gets_a_new_one():
     problem = Linear(-5.0, later=0.1)
     step = coupled(problem, FixedPoint(), surrogate=NO_SURROGATE, diverged=5.0)
     step.attempt(0.0, 0.1, None)
