@@ -11,22 +11,30 @@ from scipy.optimize import brentq
 
 from cloth.arrays import Array
 from cloth.shell.kernels import nearest_points
-from cloth.shell.pieces import JOINT, crossings, piece_length, piece_points, share_below
+from cloth.shell.pieces import (
+    JOINT,
+    check_smooth,
+    crossings,
+    piece_length,
+    piece_points,
+    share_below,
+)
 from cloth.shell.upper_part import UpperPart
 
 LEVEL = 1e-12  # sine of the angle below which a plane is level
 NEWTON = 60  # steps along a ray, at most; a sphere takes one
 NODES = 24  # of Gauss's rule on a piece: a quarter circle's powers up to the tenth to rounding
 BISECTIONS = 60  # of a share between 0 and 1
+ROUNDING = 8.0 * np.finfo(float).eps  # of a distance from the shell, over its reach
 
 
 class Meridian:
     """A shell (a ``Shell``) whose meridian consists of lines and arcs.
 
     ``pieces`` (k of (7,): ``line``, ``arc``) run from the lower pole to the upper one, both on the
-    axis; every ray from the origin meets the meridian once, and its height rises throughout. The
-    rim is where it crosses z = 0. What is not checked: that it does not cross itself. Raises
-    ValueError where the pieces do not join.
+    axis; they join without a kink, every ray from the origin meets the meridian once, and its
+    height rises throughout. The rim is where it crosses z = 0. Raises ValueError where that is not
+    so, rays and heights at ``SAMPLES`` places of each piece.
     """
 
     def __init__(self, pieces: Sequence[Array]) -> None:
@@ -43,6 +51,7 @@ class Meridian:
                 "meridian: its ends must lie below and above z = 0, the rim's plane, "
                 f"got {self.poles}."
             )
+        check_smooth(self.profile)
         self._lengths = np.array([piece_length(piece) for piece in self.profile])
         self._below_rim = self._length_to(0.0)
         self.size = float(self.along(np.zeros(1))[0][0])
@@ -205,16 +214,16 @@ class Meridian:
 
         ``directions`` (n, 3): unit vectors along the rays. By Newton's method along each ray from
         outside: the distance from a convex shell is convex along it, so that no step passes the
-        shell.
+        shell. Raises ArithmeticError where rays of another have not met it.
         """
         reach = np.full(len(directions), self._reach)
         for _ in range(NEWTON):
             _, normal, beyond = self._nearest(reach[:, None] * directions)
             step = beyond / np.einsum("nx,nx->n", normal, directions)
             reach -= step
-            if np.abs(step).max() <= 4e-16 * self._reach:
-                break
-        return np.asarray(reach[:, None] * directions)
+            if np.abs(step).max() <= ROUNDING * self._reach:
+                return np.asarray(reach[:, None] * directions)
+        raise ArithmeticError(f"meridian: rays have not met the shell in {NEWTON} steps.")
 
     def scaled(self, factor: float) -> Meridian:
         """Return the shell ``factor`` times as large, about the origin."""

@@ -13,6 +13,8 @@ from scipy.optimize import brentq
 from cloth.arrays import Array
 
 JOINT = 1e-12  # over the size, by which what should be the same may differ
+SAMPLES = 33  # places of a piece where it is checked
+KINK = 1e-6  # angle between two pieces' normals, above which they join in an edge
 LOOKS = 65  # points of a piece between which it crosses a plane once at most
 
 
@@ -107,3 +109,21 @@ def piece_points(pieces: Array, share: Array) -> tuple[Array, Array, Array, Arra
     nr = np.where(straight, (z1 - z0) / length, sign * np.cos(angle))
     nz = np.where(straight, (r0 - r1) / length, sign * np.sin(angle))
     return r, z, nr, nz
+
+
+def check_smooth(pieces: Array) -> None:
+    """See that the distance from a meridian of ``pieces`` (k, 7) has one meaning near it.
+
+    Raises ValueError where two pieces join in an edge, a ray from the origin meets it more than
+    once, or its height does not rise; the latter two by ``SAMPLES`` places of each piece.
+    """
+    share = np.tile(np.linspace(0.0, 1.0, SAMPLES), len(pieces))
+    r, z, nr, nz = piece_points(np.repeat(pieces, SAMPLES, axis=0), share)
+    place, normal = np.stack([r, z], axis=1), np.stack([nr, nz], axis=1)
+    before, after = normal[SAMPLES - 1 : -1 : SAMPLES], normal[SAMPLES::SAMPLES]
+    if np.abs(before - after).max(initial=0.0) > KINK:
+        raise ValueError("meridian: pieces must join without a kink: round the edge by an arc.")
+    if np.einsum("nx,nx->n", place, normal).min() <= 0.0:
+        raise ValueError("meridian: a ray from the origin must meet it once.")
+    if np.diff(z.reshape(-1, SAMPLES), axis=1).min() <= 0.0:
+        raise ValueError("meridian: its height must rise from the lower pole to the upper one.")

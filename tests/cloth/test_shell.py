@@ -169,3 +169,32 @@ def test_wrong_meridians_are_refused():
         Meridian([quarter, line((1.0, 0.0), (0.0, -0.5))])
     with pytest.raises(ValueError, match="half a circle"):
         arc((0.0, 0.0), 1.0, -2.0, 2.0)
+
+
+def test_a_shell_with_an_edge_is_refused():
+    """The distance from an edge is no product with one normal, and friction has a cone there."""
+    flat = [line((0.0, -0.1), (0.3, -0.05)), line((0.3, -0.05), (0.3, 0.1))]
+    with pytest.raises(ValueError, match="kink"):
+        Meridian([*flat, line((0.3, 0.1), (0.0, 0.15))])
+
+
+def peanut(bulge: float, waist: float, height: float) -> Meridian:
+    """Two spheres of radius ``bulge`` at -/+ ``height``, joined by an arc with a ``waist`` [m]."""
+    # the throat's centre (a, 0) lies as far from a bulge's as both radii together
+    a = 0.5 * (height**2 - (bulge - waist) ** 2) / (bulge - waist)
+    turn = math.atan2(height, a)
+    quarter = 0.5 * math.pi
+    return Meridian(
+        [
+            arc((0.0, -height), bulge, -quarter, turn),
+            arc((a, 0.0), a - waist, math.pi + turn, math.pi - turn),
+            arc((0.0, height), bulge, -turn, quarter),
+        ]
+    )
+
+
+def test_a_shell_that_a_ray_meets_twice_is_refused():
+    """A narrow waist: the bulges' sides face the origin where height sin(turn) > bulge."""
+    assert peanut(0.3, 0.25, 0.2).size == pytest.approx(0.25)
+    with pytest.raises(ValueError, match="a ray from the origin must meet it once"):
+        peanut(0.3, 0.05, 0.45)
