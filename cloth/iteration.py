@@ -194,7 +194,9 @@ def iterate(
     most = problem.settings.iterations
     run = Iteration(problem, force, None if first is None else first.planes)
     if first is not None:
-        while run.done < first.iterations or (run.done < most and not run.near_enough):
+        while run.done < first.iterations or (
+            run.done < most and not run.near_enough and not run.stalled
+        ):
             run.advance()
         return run.finish()
     rubs = problem.model.self_contact is not None and problem.settings.self_friction > 0.0
