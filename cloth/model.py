@@ -12,7 +12,7 @@ from cloth.load import Settings
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh, corners_of, lumped, rest_gradients
 from cloth.self_contact.resolve import SelfContact
-from cloth.shell.shell import NO_SHELL, Shell
+from cloth.shell.shell import Shell
 
 
 class ClothModel:
@@ -91,7 +91,7 @@ class ClothModel:
 
     def shell_penalty(self, settings: Settings, penalty: float) -> Array:
         """Return the shell's penalty (n,) [N/m] for the stretch's ``penalty`` [N/m]; 0 if fixed."""
-        if self.shell is NO_SHELL:
+        if not len(self.shell.profile):
             return np.zeros(len(self.mass))
         share = self.mass / self.mass[self.free].mean()
         return np.where(self.free, settings.shell_weight * penalty * share, 0.0)
@@ -109,7 +109,7 @@ class ClothModel:
     def bending_force(self, position: Array) -> Array:
         """Return the force -dE/dx (n, 3) [N] of the bending energy; no meaning on fixed nodes."""
         _, gradient = self.volume_and_gradient(position)
-        bent, force = self.bending, self.held_normals_force(position)
+        bent, force = self.bending, self._held_normals_force(position, gradient)
         node_kernels.bending_turning_step(
             position, self.triangles, gradient,
             bent.starts, bent.columns, bent.values, bent.moment, force,
@@ -123,7 +123,10 @@ class ClothModel:
         That damping may be hundreds of times as stiff in a step as the energy; an explicit part of
         it that stretches the sheet keeps the iteration from converging in sharp folds.
         """
-        _, gradient = self.volume_and_gradient(position)
+        return self._held_normals_force(position, self.volume_and_gradient(position)[1])
+
+    def _held_normals_force(self, position: Array, gradient: Array) -> Array:
+        """As ``held_normals_force``, with the volume's ``gradient`` (n, 3) [m^2]."""
         bent = self.bending
         force = np.asarray(bent.held - bent.matrix @ position)
         node_kernels.bending_rest_step(

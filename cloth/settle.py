@@ -13,7 +13,6 @@ from cloth.arrays import Array
 from cloth.level import level_shape
 from cloth.load import Load, Settings, pressure_scale
 from cloth.residual import residual
-from cloth.shell.shell import NO_SHELL
 from cloth.step import Cloth
 
 log = logging.getLogger(__name__)
@@ -135,7 +134,7 @@ def settle(
     )
     cloth.halt()
     moulded = np.array_equal(cloth.state.position, cloth.reference)
-    if model.shell is not NO_SHELL and load.volume is not None and moulded:
+    if len(model.shell.profile) and load.volume is not None and moulded:
         _place(cloth, level_shape(model, load.volume))
         for body_force in _turns(load.body_force):
             part = _Turned(

@@ -68,7 +68,7 @@ class ThesisSheet:
 
         Within it the load goes evenly from that of the step before to ``load``, as the thesis
         takes its own at every millisecond. Raises ValueError for a load with a volume, or for
-        an ``liquid_inertia``: the thesis has neither a volume constraint nor a liquid with inertia.
+        a ``liquid_inertia``: the thesis has neither a volume constraint nor a liquid with inertia.
         """
         if load.volume is not None or load.datum is None:
             raise ValueError(

@@ -9,7 +9,11 @@ from coupling.scene.scene import Scene
 
 
 class Supply(Protocol):
-    """The liquid's volume as a function of time; 0 [s] is the start of the motion."""
+    """The liquid's volume as a function of time; 0 [s] is the start of the motion.
+
+    One that varies takes a liquid without a flow: a flow's mesh is closed to the volume at the
+    start, and the potential's walls have no outlet.
+    """
 
     def volume(self, time: float) -> float:
         """[m^3] at ``time`` [s]."""

@@ -65,8 +65,9 @@ class CoupledStep:
     5. x becomes the scheme's update of (x, r), or where that is slow the solution with the
        surrogate (``Surrogate``). Go on from 2.
 
-    The policies are those of a scheme with ``takes_inertia`` (see ``InterfaceProblem``), which
-    needs them in slams; other schemes stay as their papers have them. ``record`` is called after
+    The policies of 2, 4 and 5 are those of a scheme with ``takes_inertia`` (see
+    ``InterfaceProblem``), which needs them in slams; of other schemes a step backtracks where it is
+    opened only, and iterates as their papers have it. ``record`` is called after
     every iteration with time [s], iteration, relative residual, seconds.
     """
 

@@ -115,7 +115,7 @@ class InterfaceProblem:
     def image(self, points: Array) -> Iterate:
         """The iterate at ``points`` x (p, 3) [m], whose volume is closed first.
 
-        Raises ``RunFailed``, ArithmeticError.
+        Raises ``RunFailed`` (``StepFailed`` where a shorter step may do), ArithmeticError.
         """
         points = self.close_volume(points)
         with self.watch.timed("fluid"):

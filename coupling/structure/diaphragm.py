@@ -87,11 +87,14 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
     swing = float(np.sqrt(shell.size / gravity))  # [s]
     area = scene.liquid.density * shell.size**2  # [kg/m]
     mesh, ridges = moulded(scene.tank.mould, cloth.resolution), scene.diaphragm.moulded_thickness
-    places = scene.tank.mould.directions(mesh.points[mesh.triangles].mean(axis=1))
+    thickness = None
+    if ridges is not None:
+        centroids = mesh.points[mesh.triangles].mean(axis=1)
+        thickness = ridges.at(scene.tank.mould.directions(centroids))
     return Cloth(
         mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
-        thickness=None if ridges is None else ridges.at(places),
+        thickness=thickness,
         shell=shell,
         tensile_stiffness=cloth.stiffness * area * largest_body_force(scene)
         if scene.diaphragm.inextensible
