@@ -61,7 +61,9 @@ def _problem(details: ErrorDetails, root: type[BaseModel]) -> str:
     if key in _RETIRED:
         return f"{key}: is no longer known. {_RETIRED[key]}"
     if kind == "extra_forbidden":
-        return f"{key}: unknown {_noun(details)}. {_nearest(names[-1], owner.model_fields)}"
+        noun = _noun(details)
+        elsewhere = _of_other_sections(names, root) if noun == "key" else ""
+        return f"{key}: unknown {noun}. {elsewhere or _nearest(names[-1], owner.model_fields)}"
     if kind == "missing":
         return f"{key}: is required. {_mend(field, names)}"
     if kind == "unknown_name":
@@ -97,6 +99,20 @@ def _find(root: type[BaseModel], names: Sequence[str]) -> tuple[type[BaseModel],
 def _noun(details: ErrorDetails) -> str:
     top = len(details["loc"]) == 1
     return "section" if top and isinstance(details["input"], dict) else "key"
+
+
+def _of_other_sections(names: Sequence[str], root: type[BaseModel]) -> str:
+    """Ask for a key by its section where it stands in the wrong one, or above all; else ""."""
+    known = [
+        f"{section}.{names[-1]}"
+        for section, field in root.model_fields.items()
+        if isinstance(field.annotation, type)
+        and issubclass(field.annotation, BaseModel)
+        and names[-1] in field.annotation.model_fields
+    ]
+    if len(names) > 1 and names[-1] in root.model_fields:
+        return f"{names[-1]} stands above all sections."
+    return f"Did you mean {' or '.join(known)}?" if known else ""
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:

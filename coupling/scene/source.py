@@ -44,11 +44,14 @@ def read_toml(file: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except OSError as error:
-        raise SceneError([f"{file}: cannot be read: {error.strerror}."]) from error
+        mend = "Give a scene file that may be read."
+        raise SceneError([f"{file}: cannot be read: {error.strerror}. {mend}"]) from error
     except UnicodeDecodeError as error:
-        raise SceneError([f"{file}: is not UTF-8 text. Give a TOML file."]) from error
+        mend = "Save the scene as text in UTF-8."
+        raise SceneError([f"{file}: is not UTF-8 text. {mend}"]) from error
     except tomllib.TOMLDecodeError as error:
-        raise SceneError([f"{file}: is not valid TOML: {error}."]) from error
+        mend = "Write key = value, numbers with a decimal point, text in quotes, each section once."
+        raise SceneError([f"{file}: is not valid TOML: {error}. {mend}"]) from error
 
 
 def apply_override(data: dict[str, Any], text: str) -> str:

@@ -26,7 +26,8 @@ def read_content(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        raise TableError(f"{path}: cannot be read: {error.strerror}") from error
+        mend = "Give a file that is there and may be read."
+        raise TableError(f"{path}: cannot be read: {error.strerror}. {mend}") from error
 
 
 def lines_of(path: Path, data: bytes) -> list[str]:

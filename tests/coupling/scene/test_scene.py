@@ -210,6 +210,13 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("liquid.fill_fracton=0.5", "unknown key. Did you mean fill_fraction?"),
         ("tnak.radius=0.5", "unknown section. Did you mean tank?"),
         ("tank.colour=3", "unknown key. Known here: radius, shape."),
+        ("cloth.rim=clamped", "cloth.rim: unknown key. Did you mean diaphragm.rim?"),
+        ("radius=0.4", "radius: unknown key. Did you mean tank.radius?"),
+        ("tank.gravity=[0,0,-9.81]", "unknown key. gravity stands above all sections."),
+        (
+            "diaphragm.tolerance=1e-4",
+            "Did you mean model.tolerance or cloth.tolerance or coupling.tolerance?",
+        ),
         ("tank=3", "must be a section [tank], got 3"),
         ("tank.radius=true", "must be a number, got true"),
         ("tank.radius=nan", "must be a finite number, got nan"),
@@ -331,11 +338,15 @@ def test_a_table_must_cover_the_run(folder: Path):
 def test_files_that_cannot_be_read(folder: Path, tmp_path: Path):
     assert "does not exist" in problems(tmp_path / "nowhere")[0]
     assert "the folder holds no scene.toml" in problems(tmp_path)[0]
+    (line,) = problems(folder, "motion.kind=table", f"motion.file={tmp_path}")
+    assert line.endswith("Is a directory. Give a file that is there and may be read.")
     file = folder / "scene.toml"
     file.write_text("title = 'a'\n[tank\nradius = 1\n")
     assert "line 2" in problems(folder)[0]
+    file.write_text(PAD_SWAY.replace("0.4445", "0,4445", 1))
+    assert "numbers with a decimal point" in problems(folder)[0]
     file.write_bytes(b"\xff\xfe\x00")
-    assert "is not UTF-8 text" in problems(folder)[0]
+    assert "is not UTF-8 text. Save the scene as text in UTF-8." in problems(folder)[0]
     for text in ("radius", "=3", ".a=3", "title.a=3"):
         file.write_text(PAD_SWAY)
         assert problems(folder, text)[0].startswith(f"--set {text}:")
