@@ -96,3 +96,36 @@ def first_harmonic(time: Array, signal: Array, frequency: float, *, periods: int
     basis = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=1)
     fitted = np.linalg.lstsq(basis, signal, rcond=None)[0]
     return Harmonic(coefficient=fitted[1] - 1j * fitted[2], mean=fitted[0], periods=periods)
+
+
+def phasor_drift(time: Array, signal: Array, frequency: float) -> float | None:
+    """Return by how much the first harmonic changed from the last period but one to the last.
+
+    Parameters
+    ----------
+    time
+        Instants (N,) [s].
+    signal
+        Signals (N, k), of any unit; their phasors are taken as one vector.
+    frequency
+        Frequency [Hz] of the harmonic.
+
+    Returns
+    -------
+    float or None
+        |c_last - c_before|/|c_last| [-]; None with less than two periods, with fewer than 4
+        instants in either, or where nothing moves.
+    """
+    if len(time) == 0 or (time[-1] - time[0]) * frequency < 2.0 * (1.0 - 1e-9):
+        return None
+    ago = (time[-1] - time) * frequency  # periods
+    phasors = []
+    for start in (1.0, 0.0):
+        chosen = (ago > start - 1e-9) & (ago < start + 1.0 - 1e-9)
+        if chosen.sum() < 4:
+            return None
+        fit = first_harmonic(time[chosen], signal[chosen], frequency, periods=1)
+        phasors.append(fit.coefficient)
+    before, last = phasors
+    size = float(np.linalg.norm(last))
+    return float(np.linalg.norm(last - before)) / size if size > 0.0 else None

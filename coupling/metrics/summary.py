@@ -15,7 +15,12 @@ from coupling.metrics.gravity_centre import (
     neglected_momentum_transient,
     peak_amplitude,
 )
-from coupling.metrics.harmonic import Harmonic, first_harmonic, last_whole_periods
+from coupling.metrics.harmonic import (
+    Harmonic,
+    first_harmonic,
+    last_whole_periods,
+    phasor_drift,
+)
 from coupling.metrics.rubs import rub
 from coupling.metrics.strains import quantile
 from coupling.metrics.transfer import tank_phasor, transfer
@@ -36,6 +41,7 @@ def summarise(
     against the tank's displacement. A run shorter than a period, or a motion without one, gives
     half the peak-to-peak range and no phase (null). A model without a flow does not know the
     liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
+    ``drift``: by how much a phasor changed in the last period (``phasor_drift``).
     ``transfer``: the CG over the tank's displacement d, the force over m omega^2 d. Peaks are the
     largest sizes of each component at the instants written out, ``peak_dynamic_N`` less the weight.
     ``cloth`` counts inner iterations of the solves that parts of steps end with;
@@ -74,9 +80,11 @@ def summarise(
         },
         "cloth": _cloth(statistics, scene),
         "cg": _moving(results.liquid_cg, fits, "cg", "m")
-        | {"mean_m": _mean(results.liquid_cg, fits), "transfer": _transfer(fits, "cg")},
+        | {"mean_m": _mean(results.liquid_cg, fits), "transfer": _transfer(fits, "cg")}
+        | {"drift": _drift(results.time, results.liquid_cg, scene)},
         "force": _moving(results.force, fits, "force", "N")
-        | {"momentum_imbalance": _imbalance(fits, scene)}
+        | {"momentum_imbalance": _imbalance(results, scene, periods)}
+        | {"drift": _drift(results.time, results.force, scene)}
         | {"peak_N": _peak(results.force), "peak_dynamic_N": _peak(results.force - weight)}
         | {"transfer": _transfer(fits, "force", inertia=_inertia(scene))},
         "moment": _moving(results.moment, fits, "moment", "Nm")
@@ -176,15 +184,22 @@ def _mean(signal: Array, fits: dict[str, Harmonic]) -> Any:
     return signal.mean(axis=0) if len(signal) else [None] * 3
 
 
-def _imbalance(fits: dict[str, Harmonic], scene: Scene) -> float | None:
-    if not fits or not scene.frequency:
+def _drift(time: Array, signal: Array, scene: Scene) -> float | None:
+    return phasor_drift(time, signal, scene.frequency) if scene.frequency else None
+
+
+def _imbalance(results: Results, scene: Scene, periods: int) -> float | None:
+    if not scene.frequency:
         return None
     return momentum_imbalance(
-        force=fits["force"].coefficient,
-        cg=fits["cg"].coefficient,
-        displacement=fits["displacement"].coefficient,
+        results.time,
+        force=results.force,
+        cg=results.liquid_cg,
+        acceleration=results.tank_acceleration,
+        gravity=np.array(scene.gravity),
         mass=scene.liquid.density * scene.liquid_volume,
         frequency=scene.frequency,
+        periods=periods,
     )
 
 

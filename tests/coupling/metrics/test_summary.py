@@ -47,6 +47,8 @@ def test_the_known_run_gives_its_own_figures(tmp_path: Path) -> None:
     assert summary["cg"]["amplitude_m"] == pytest.approx([run.CG_AMPLITUDE, 0.0, 0.0])
     assert summary["cg"]["phase_deg"][0] == pytest.approx(-30.0)
     assert summary["cg"]["phase_deg"][1] is None
+    assert summary["cg"]["drift"] == pytest.approx(0.0, abs=1e-9)
+    assert summary["force"]["drift"] == pytest.approx(0.0, abs=1e-9)
     assert summary["cg"]["mean_m"] == pytest.approx([0.0, 0.0, -0.1], abs=1e-12)
     assert summary["force"]["amplitude_N"][0] == pytest.approx(run.FORCE_AMPLITUDE)
     assert summary["force"]["phase_deg"][0] == pytest.approx(0.0, abs=1e-9)
