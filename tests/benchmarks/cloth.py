@@ -10,6 +10,7 @@ the mean of its positive part; the worst error of the liquid's volume; the energ
 at rest; amplitude and phase of the centre of gravity. Both sheets, stiff and of the rubber's own
 E t, are relaxed.
 --growth: the same at one tolerance for sheets of several RINGS, with the exponent of the cost.
+A second takes some 4 minutes of CPU.
 
 Energy error: the kinetic energy that the solver's velocities say the sheet has at rest, over its
 weight times the tank's radius; 0 would be exact. Roundness: largest over smallest radius of the
