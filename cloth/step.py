@@ -153,6 +153,10 @@ class Cloth:
         """Return x~ (n, 3) [m]: the acceleration at x is (x - x~) / acceleration_scale."""
         return self._begun().prediction
 
+    def still_position(self) -> Array:
+        """Return x^ (n, 3) [m]: the velocity at x is (x - x^) over the root of that scale."""
+        return self._begun().position_anchor
+
     @property
     def acceleration_scale(self) -> float:
         """Scale b^2 [s^2] of this step's accelerations (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""

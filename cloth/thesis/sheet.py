@@ -102,6 +102,11 @@ class ThesisSheet:
         self._begun()
         return np.asarray(self._memory["position"] + self._dt * self._memory["velocity"])
 
+    def still_position(self) -> Array:
+        """Return x^ (n, 3) [m], where the sheet stands: its mean velocity at x is (x - x^) / dt."""
+        self._begun()
+        return np.asarray(self._memory["position"])
+
     @property
     def acceleration_scale(self) -> float:
         """The scale dt^2 [s^2] of this step's accelerations."""

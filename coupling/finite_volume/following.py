@@ -153,14 +153,6 @@ class FollowingMesh:
         """
         return fan_volume(self._outline(patch, shell)[self._boundary]) - self._fan
 
-    def slid(self, patch: Array) -> Array:
-        """Return the volumes (B,) [m^3] that the boundary's faces sweep as the patch slides.
-
-        The patch, at rest, starts the step at ``patch`` (p, 3) [m], in the step's shell.
-        """
-        start = self._outline(patch)[self._boundary]
-        return swept_volumes(self.points[self._boundary], start)
-
     def follow(self, patch: Array, moment: str) -> Array:
         """Let the step end at ``patch`` (p, 3) [m]; return what boundary faces sweep (B,) [m^3].
 

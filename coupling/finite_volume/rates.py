@@ -1,4 +1,4 @@
-"""How the flux through moving faces changes, as OpenFOAM's ``backward`` has it."""
+"""The flux through moving faces and how it changes, as OpenFOAM's ``backward`` has them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from coupling.ports import Array
 
 
 class FluxRate:
-    """Rate of change of the fluxes of ``count`` faces, from the volumes they sweep step by step."""
+    """Fluxes of ``count`` faces and their rates, from the volumes that they sweep step by step."""
 
     def __init__(self, count: int) -> None:
         self._past = np.zeros((3, count))  # mean flux of the last step; flux at its end, before it
@@ -32,6 +32,11 @@ class FluxRate:
         return np.asarray(
             ((1.0 + before) * flux - (1.0 + before + older) * flux_0 + older * flux_1) / dt
         )
+
+    @property
+    def flux(self) -> Array:
+        """Of the last call, at its step's end (k,) [m^3/s]."""
+        return np.asarray(self._now[1])
 
     def accept_step(self) -> None:
         """Commit the last call."""

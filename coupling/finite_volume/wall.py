@@ -42,27 +42,41 @@ def _normals(mesh: LiquidMesh, geometry: CellGeometry) -> tuple[Array, Array]:
 
 def wall_flow(
     mesh: LiquidMesh,
-    start: CellGeometry,
-    end: CellGeometry,
+    geometry: CellGeometry,
     velocity: Array,
+    diaphragm: Array,
     *,
-    dt: float,
     viscosity: float,
 ) -> WallFlow:
-    """Return the flow at the walls, of cells moving at ``velocity`` (c, 3) [m/s], at a step's end.
+    """Return the flow at the walls.
 
-    The step takes ``dt`` [s]; ``start``, ``end``: the mesh then; the diaphragm moves as its faces'
-    centres do, the shell is at rest. ``viscosity`` is the dynamic one [Pa s]. The stress mu (du + n
-    n.du)/d takes the speed to fall evenly over the half cell d, as the solver does: where a
-    boundary layer is thinner than d it is too small, by about the ratio of the two.
+    The stress mu (du + n n.du)/d takes the speed to fall evenly over the half cell d, as the
+    solver does: where a boundary layer is thinner than d it is too small, by about the ratio of
+    the two. The shell is at rest.
+
+    Parameters
+    ----------
+    mesh, geometry
+        The mesh, and where its cells stand.
+    velocity
+        Velocity of the cells (c, 3) [m/s].
+    diaphragm
+        Velocity of the diaphragm at the centres of its faces (F, 3) [m/s].
+    viscosity
+        Dynamic viscosity [Pa s].
+
+    Returns
+    -------
+    WallFlow
+        Stress and slip.
     """
     walls = slice(mesh.inner_faces, None)
-    area, centre, cell = end.face_area[walls], end.face_centre[walls], mesh.owner[walls]
+    area, cell = geometry.face_area[walls], mesh.owner[walls]
     size = np.linalg.norm(area, axis=1)
-    normal, distance = _normals(mesh, end)
-    wall = np.zeros_like(centre)
+    normal, distance = _normals(mesh, geometry)
+    wall = np.zeros_like(area)
     count = mesh.diaphragm_faces
-    wall[:count] = (centre[:count] - start.face_centre[walls][:count]) / dt
+    wall[:count] = diaphragm
     relative = velocity[cell] - wall
     along = np.einsum("fx,fx->f", relative, normal)[:, None] * normal
     stress = viscosity * np.linalg.norm(relative + along, axis=1) / distance

@@ -76,17 +76,17 @@ def _by_compiler(place: Path, openfoam: OpenFoam, say: Callable[[str], None]) ->
     version = re.sub(r"\D", "", openfoam.version)
     say("compiling, about three quarters of a minute")
     for folder, name, options in (("solver/walls", WALLS, ["-shared"]), ("solver", NAME, [])):
-        source = re.search(
+        listed = re.findall(
             r"\w+\.C", (place / folder / "Make" / "files").read_text(encoding="utf-8")
         )
         libraries = re.findall(
             r"-l\w+", (place / folder / "Make" / "options").read_text(encoding="utf-8")
         )
-        assert source is not None
         _run(
             [
                 "g++", *_FLAGS, f"-DOPENFOAM={version}", *(f"-I{path}" for path in headers),
-                *options, str(place / folder / source[0]), "-o", str(place / name),
+                *options, *(str(place / folder / source) for source in listed),
+                "-o", str(place / name),
                 *_LINK, f"-L{_library_folder(openfoam)}", *libraries, "-lOpenFOAM", "-ldl", "-lm",
             ],
             dict(os.environ),

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from coupling.ports import Array
 
 _PATCHES = ("diaphragm", "shell")
-_WALL = "acceleratingWallPressure"  # of the walls' library
+_WALL = "acceleratingWallPressure"  # of the walls' library, as is what follows
+_SLIDING = "slidingWallVelocity"
 _SHOWN = frozenset({"p", "U", "points"})  # what is looked at, of the files of a time
 _TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
 
@@ -60,7 +61,7 @@ class Case:
         """The folders that hold the fields, one a processor."""
         if self.openfoam.processors == 1:
             return whole(self.folder)
-        return decomposed(self.folder, self.openfoam.processors)
+        return decomposed(self.folder, self.openfoam.processors, self.mesh.inner_faces)
 
     def create(self, points: Array, *, viscosity: float) -> None:
         """Write the whole case anew: mesh at ``points`` (P, 3) [m], liquid at rest."""
@@ -83,11 +84,12 @@ class Case:
             decompose(self.folder, openfoam=self.openfoam, timeout=self.timeout)
 
     def _take_walls(self) -> None:
-        """Take the pressure of an accelerating wall, from the library built, on both patches."""
-        pressure = ParsedParameterFile(str(self.folder / "0" / "p"))
-        for patch in _PATCHES:
-            pressure["boundaryField"][patch]["type"] = _WALL
-        pressure.writeFile()
+        """Take the conditions of an accelerating, sliding wall, from the library built."""
+        for name, kind in (("p", _WALL), ("U", _SLIDING)):
+            field = ParsedParameterFile(str(self.folder / "0" / name))
+            for patch in _PATCHES:
+                field["boundaryField"][patch]["type"] = kind
+            field.writeFile()
 
     def _write_mesh(self, points: Array) -> None:
         mesh, folder = self.mesh, self.folder / "constant" / "polyMesh"
@@ -110,13 +112,32 @@ class Case:
             f"{head}{len(_PATCHES)}\n(\n{entries})\n", encoding="utf-8"
         )
 
-    def advance(self, start: float, end: float, points: Array) -> tuple[Array, Array]:
-        """Solve from ``start`` to ``end`` [s] with all points ending at ``points`` (P, 3) [m].
+    def advance(self, start: float, end: float, points: Array, slide: Array) -> tuple[Array, Array]:
+        """Solve a step; the fields at its start stay, so that the call can be repeated.
 
-        Returns p*/rho (c,) [m^2/s^2] and U (c, 3) [m/s] of the cells at ``end``. The fields at
-        ``start`` stay: the call can be repeated. Raises ``OpenFoamFailed``.
+        Parameters
+        ----------
+        start, end
+            When the step starts and ends [s].
+        points
+            Where all points end it (P, 3) [m].
+        slide
+            What the points of the boundary's faces move more than the walls do (B, 3) [m/s].
+
+        Returns
+        -------
+        pressure : Array
+            p*/rho of the cells (c,) [m^2/s^2] at ``end``.
+        velocity : Array
+            U of the cells (c, 3) [m/s] there.
+
+        Raises
+        ------
+        OpenFoamFailed
+            The solver fails, or cannot take a step of this length, or points that slide.
         """
         self._refuse_uneven(start, end)
+        self._write_slide(slide, f"t = {end:.6g} s")
         origin, result = self.time_folder(start) / "polyMesh", self.time_folder(end)
         origin.mkdir(exist_ok=True)
         fields.write_points(origin / "points0", points)
@@ -128,6 +149,18 @@ class Case:
         )  # fmt: skip
         cells = self.mesh.cells
         return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
+
+    def _write_slide(self, slide: Array, moment: str) -> None:
+        """Leave ``slide`` (B, 3) [m/s] where the walls' library looks for it."""
+        if self.openfoam.walls is not None:
+            cut = np.split(slide, [self.mesh.diaphragm_faces])
+            for patch, own in zip(_PATCHES, cut, strict=True):
+                fields.write_points(self.folder / "constant" / f"slide.{patch}", own)
+        elif slide.any():
+            raise OpenFoamFailed(
+                f"{moment}: points that slide along the diaphragm need the walls' library, which "
+                "has not been built. Run 'edt build-solver'."
+            )
 
     def _refuse_uneven(self, start: float, end: float) -> None:
         known = self.time_folder(start) / "uniform" / "time"

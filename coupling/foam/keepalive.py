@@ -58,7 +58,7 @@ class AliveCase(Case):
         assert self.openfoam.keep_alive is not None
         return self.openfoam.keep_alive
 
-    def advance(self, start: float, end: float, points: Array) -> tuple[Array, Array]:
+    def advance(self, start: float, end: float, points: Array, slide: Array) -> tuple[Array, Array]:
         """As ``Case.advance``; the fields at ``start`` stay with the process."""
         moment, name = f"t = {end:.6g} s", self.time_name(start)
         if self._pipes is None or name not in (self._began, self._reached):
@@ -66,15 +66,18 @@ class AliveCase(Case):
         command = REPEAT if name == self._began else ADVANCE
         # To the digits of system/step, so that both solvers use the same numbers.
         times = float(f"{start:.12g}"), float(f"{end - start:.12g}")
-        own = [np.ascontiguousarray(points[part.points]) for part in self.parts]
-        requests = [(Frame(command, len(part), *times), part.tobytes()) for part in own]
+        requests = []
+        for part in self.parts:
+            own = points[part.points]
+            body = np.concatenate([own, slide[part.walls]]).tobytes()
+            requests.append((Frame(command, len(own), *times), body))
         self._began, self._reached = None, None  # until there is an answer
         answers = self._pipes.exchange(requests, moment)
         self._began, self._reached = name, self.time_name(end)
         self._missed = answers[0][0].second
         fields = [np.frombuffer(body).reshape(4, -1) for _, body in answers]
-        pressure = gathered(self.parts, [own[0] for own in fields])
-        velocity = gathered(self.parts, [own[1:].reshape(-1, 3) for own in fields])
+        pressure = gathered(self.parts, [field[0] for field in fields])
+        velocity = gathered(self.parts, [field[1:].reshape(-1, 3) for field in fields])
         if not (np.isfinite(pressure).all() and np.isfinite(velocity).all()):
             raise StepFailed(f"{moment}: the flow diverged, it is not finite.", cause=Cause.FLOW)
         return pressure, velocity

@@ -24,18 +24,20 @@ _ADDRESSING = "constant/polyMesh/{}ProcAddressing"
 class Part:
     """What one process has: its ``folder``, and its ``points`` and ``cells`` in the whole mesh.
 
-    ``name`` is that of the folder within the case, empty for the case itself.
+    ``walls``: its boundary faces among those of the whole mesh, in its own order. ``name`` is that
+    of the folder within the case, empty for the case itself.
     """
 
     name: str
     folder: Path
     points: Ints | slice
     cells: Ints | slice
+    walls: Ints | slice
 
 
 def whole(case: Path) -> list[Part]:
     """The one part of a case that is not decomposed."""
-    return [Part(name="", folder=case, points=slice(None), cells=slice(None))]
+    return [Part(name="", folder=case, points=slice(None), cells=slice(None), walls=slice(None))]
 
 
 def decompose(case: Path, *, openfoam: OpenFoam, timeout: float) -> None:
@@ -77,16 +79,22 @@ def is_spread(case: Path, processors: int) -> bool:
     )
 
 
-def decomposed(case: Path, processors: int) -> list[Part]:
-    """The parts of a decomposed case. Raises ``OpenFoamFailed`` where one is missing or broken."""
+def decomposed(case: Path, processors: int, inner_faces: int) -> list[Part]:
+    """The parts of a decomposed case, whose whole mesh has so many ``inner_faces``.
+
+    Raises ``OpenFoamFailed`` where one is missing or broken.
+    """
     found = []
     for rank in range(processors):
         name = f"processor{rank}"
         folder = case / name
-        points, cells = (
-            fields.read_labels(folder / _ADDRESSING.format(kind)) for kind in ("point", "cell")
+        points, cells, faces = (
+            fields.read_labels(folder / _ADDRESSING.format(kind))
+            for kind in ("point", "cell", "face")
         )
-        found.append(Part(name=name, folder=folder, points=points, cells=cells))
+        walls = np.abs(faces) - 1 - inner_faces  # counted from 1; below 0 where turned round
+        part = Part(name=name, folder=folder, points=points, cells=cells, walls=walls[walls >= 0])
+        found.append(part)
     return found
 
 

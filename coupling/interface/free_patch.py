@@ -5,7 +5,9 @@ keeps its place between the middle of the free part and the contact curve, in th
 that it slides through the sheet as the curve moves; a step's map holds it where it will be. Where
 the sheet is creased more sharply than the patch can follow, the patch cuts the crease off. The rim
 is the contact curve brought onto the shell. The shell's points lie on arcs from the pool's middle
-to the rim. Only swept volumes matter to the flow: where points slide along, nothing is swept.
+to the rim. Facets inscribed in the shell hold less than it does, by a share that changes with their
+places: shell and rim are put as far out, in every step, as makes up for it, so that the patch may
+lie where the sheet does. Where points slide along, nothing moves the liquid.
 
 Where the sheet is smooth the map is of second order, so that waves are not flattened; in creases,
 and beside the rim, where the sheet turns off the shell, it takes means, which never overshoot. What
@@ -26,10 +28,10 @@ from coupling.finite_volume.geometry import face_centres_and_areas, fan_volume
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.interface.contact_curve import ContactSearch, FreePart
 from coupling.interface.creases import give_way, least_sine
-from coupling.interface.liquid_shape import liquid_cg
+from coupling.interface.liquid_shape import volume_below
 from coupling.interface.mapping import Support, moving_least_squares, moving_quadratics
 from coupling.interface.patch_map import Lift, PatchMap, node_area, patch_area
-from coupling.interface.shell_arcs import ShellArcs
+from coupling.interface.shell_arcs import ShellArcs, pool_middle
 from coupling.ports import Array, Ints, Shell, Structure, StructureState
 
 
@@ -42,8 +44,7 @@ class PatchSettings:
     The liquid's edge, so that cells there stay open:
     - ``wedge``: its least slope; ``film``: over R, the greatest depth that this makes;
     - ``steep``: sine of the least angle at which the rim opens the liquid, about the wedge's;
-    - ``smallest``: over the median inside, least area that a point inside is lifted by;
-    - ``low``: weight of the lowest point in the pool's middle, over its offset in radii.
+    - ``smallest``: over the median inside, least area that a point inside is lifted by.
 
     Creases, by the size of the mean normal round a point, 1 where it is flat, and by the least
     sine of the corners of the faces round it:
@@ -60,7 +61,6 @@ class PatchSettings:
     film: float = 0.02
     steep: float = 0.25
     smallest: float = 0.5
-    low: float = 0.3
     smooth: float = 0.997
     flat: float = 0.99
     creased: float = 0.9
@@ -106,41 +106,29 @@ class FreePatch:
         self._inside = ~mesh.rim  # and no neighbour of the rim, where the sheet turns off the shell
         self._inside[edges[mesh.rim[edges[:, 1]], 0]] = False
         self.map: PatchMap | None = None  # of the last step begun
-        self.size = 1.0  # of the polyhedron that stands for the shell, over the shell's
-
-    def fit(self, state: StructureState, volume: float) -> None:
-        """Take the size with which the polyhedron holds ``volume`` [m^3] below ``state``."""
-        outline = np.zeros_like(self.mesh.points)
-
-        def excess(size: float) -> float:
-            self.size = size
-            fitted = self.begin_step(state, 0.0, state.position)
-            outline[self.mesh.shell_points] = fitted.shell
-            outline[self.mesh.patch_points] = fitted.to_flow(state.position)
-            return fan_volume(outline[self.mesh.faces[self.mesh.inner_faces :]]) / volume - 1.0
-
-        self.size = brentq(excess, 0.9, 1.2, xtol=1e-15)
 
     def begin_step(self, state: StructureState, dt: float, nodes: Array) -> PatchMap:
         """The map of a step of ``dt`` [s] from ``state``.
 
         It is that of the sheet at ``nodes`` (n, 3) [m], as far as they lie in the shell.
         """
-        s, tank, polyhedron = self.settings, self.shell, self.shell.scaled(self.size)
+        s, tank = self.settings, self.shell
         nodes = tank.confine(nodes)
         free = self._search.free_part(nodes, dt)
         edge = free.edge(self._azimuth)
         moulded = free.directions(self._reach * edge, self._azimuth)
         weights = self._weights(moulded, nodes)
         points = weights @ nodes
-        points[self._rim] = polyhedron.project(points[self._rim])
+        points[self._rim] = tank.project(points[self._rim])
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
         weights[self._rim] = 0.0
         self._round(points, weights)
         depth = np.minimum(s.film, s.wedge * (1.0 - self._reach) * edge)
         points = np.where(self.mesh.rim[:, None], points, tank.confine(points, depth))
-        centre = liquid_cg(nodes, self._triangles, tank, state.volume) / tank.size
-        shell = polyhedron.on_rays(self._arcs.directions(centre - [0.0, 0.0, s.low], rim))
+        shell = tank.on_rays(self._arcs.directions(pool_middle(rim), rim))
+        size = self._size(points, shell, volume_below(nodes, self._triangles, tank))
+        points[self._rim] *= size
+        shell *= size
         faces = moulded[self.mesh.patch_faces].mean(axis=1)
         self.map = PatchMap(
             shell=shell,
@@ -153,6 +141,21 @@ class FreePatch:
             support=s.linear,
         )
         return self.map
+
+    def _size(self, points: Array, shell: Array, volume: float) -> float:
+        """Factor on the shell's points and the rim with which the liquid's outline holds a volume.
+
+        ``points`` (p, 3), ``shell`` (s, 3) [m]; the ``volume`` [m^3] is met to rounding.
+        """
+        mesh, outline = self.mesh, np.empty_like(self.mesh.points)
+        rim = mesh.patch_points[self._rim]
+
+        def excess(size: float) -> float:
+            outline[mesh.patch_points], outline[mesh.shell_points] = points, size * shell
+            outline[rim] = size * points[self._rim]
+            return fan_volume(outline[mesh.faces[mesh.inner_faces :]]) / volume - 1.0
+
+        return float(brentq(excess, 0.9, 1.2, xtol=1e-14))
 
     def _weights(self, moulded: Array, nodes: Array) -> Array:
         """Weights (p, n) of the points ``moulded`` (p, 3) on a sheet at ``nodes`` (n, 3) [m]."""

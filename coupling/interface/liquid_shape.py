@@ -34,3 +34,12 @@ def liquid_cg(position: Array, triangles: Ints, shell: Shell, volume: float) -> 
     moment = cone @ (a + b + c) / 4.0
     moment[2] += shell.moment_below(0.0)
     return np.asarray(moment / volume)
+
+
+def volume_below(position: Array, triangles: Ints, shell: Shell) -> float:
+    """Return the volume [m^3] below the diaphragm, exactly for its triangles.
+
+    ``position`` (n, 3) [m], ``triangles`` (m, 3) and ``shell`` as above.
+    """
+    a, b, c = (position[triangles[:, k]] for k in range(3))
+    return float(np.einsum("mx,mx->", a, np.cross(b, c)) / 6.0 + shell.volume_below(0.0))

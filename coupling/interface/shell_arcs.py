@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coupling.finite_volume.mesh import LiquidMesh, shell_shares
+from coupling.finite_volume.swept import cross
 from coupling.ports import Array, Ints
 
 
@@ -46,6 +47,17 @@ class ShellArcs:
         reach, arc = shell_shares(self._reach, arc)[:, None], arc[:, None]
         wall = np.sin((1.0 - reach) * arc) * middle + np.sin(reach * arc) * end
         return np.asarray(wall / np.sin(arc))
+
+
+def pool_middle(rim: Array) -> Array:
+    """Return the direction (3,) opposite the middle of the gas, which the shell's arcs start from.
+
+    Against the vector area of the rim's loop: the gas' part of a shell that sees little of it
+    always holds the other end, however the liquid's centre of gravity lies.
+
+    ``rim`` (r, 3): unit vectors to its points, counter-clockwise seen from the gas.
+    """
+    return -np.asarray(cross(rim, np.roll(rim, -1, axis=0)).sum(axis=0))
 
 
 def below_rim(mesh: LiquidMesh) -> Ints:

@@ -8,7 +8,13 @@ from __future__ import annotations
 
 from coupling.ports.arrays import AnyArray, Array, Ints
 from coupling.ports.failures import Cause, RunFailed, StepFailed
-from coupling.ports.flow import Flow, FlowSample, LiquidInertia, LiquidSample
+from coupling.ports.flow import (
+    Flow,
+    FlowSample,
+    InterfaceMotion,
+    LiquidInertia,
+    LiquidSample,
+)
 from coupling.ports.scheme import Scheme, SchemeSettings
 from coupling.ports.step import AT_REST, StepReport, TimeStep
 from coupling.ports.structure import (
@@ -29,6 +35,7 @@ __all__ = [
     "Flow",
     "FlowSample",
     "HydrostaticLoad",
+    "InterfaceMotion",
     "Ints",
     "IterativeStructure",
     "LiquidInertia",

@@ -54,6 +54,31 @@ class FlowSample(LiquidSample):
     wall_distance: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class InterfaceMotion:
+    """How an interface moves that ends a step at x, by the structure's own implicit formula.
+
+    ``still`` and ``inertial`` (p, 3) [m]: where it would have no velocity, and no acceleration;
+    ``b`` [s]: of the formula.
+    """
+
+    still: Array
+    inertial: Array
+    b: float
+
+    def velocity(self, points: Array) -> Array:
+        """That (p, 3) [m/s] of an interface that ends the step at ``points`` (p, 3) [m]."""
+        return (points - self.still) / self.b
+
+    def acceleration(self, points: Array) -> Array:
+        """That (p, 3) [m/s^2] of an interface that ends the step at ``points`` (p, 3) [m]."""
+        return (points - self.inertial) / self.b**2
+
+    def shifted(self, shift: Array) -> InterfaceMotion:
+        """The same motion ``shift`` (p, 3) [m] away."""
+        return InterfaceMotion(still=self.still + shift, inertial=self.inertial + shift, b=self.b)
+
+
 class LiquidInertia(Protocol):
     """A liquid's inertia M_a = B^T B on its interface, at one shape of it."""
 
@@ -81,13 +106,10 @@ class Flow(Protocol):
     def points(self) -> Array:
         """The interface (p, 3) [m], as committed."""
 
-    def begin_step(
-        self, time: float, dt: float, *, shell: Array | None = None, start: Array | None = None
-    ) -> None:
+    def begin_step(self, time: float, dt: float, *, shell: Array | None = None) -> None:
         """Start a step of ``dt`` from the committed fields at ``time`` [s].
 
-        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay; ``start``
-        (p, 3) [m]: where the interface, at rest, has slid to, None where it has not.
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
         """
 
     def close_volume(self, points: Array, shell: Array | None = None) -> Array:
@@ -96,14 +118,15 @@ class Flow(Protocol):
         With the shell's points at ``shell`` (s, 3) [m], by default those of the step.
         """
 
-    def solve(self, points: Array) -> Array:
-        """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed)."""
+    def solve(self, points: Array, motion: InterfaceMotion | None = None) -> Array:
+        """p* (F,) [Pa] on the faces when the interface ends the step at ``points`` (closed).
+
+        ``motion``: of the diaphragm there, where the points slide along it; without it they move
+        as the diaphragm does.
+        """
 
     def liquid_inertia(self, points: Array) -> LiquidInertia:
         """The liquid's inertia at this step's end, expected at ``points`` (p, 3) [m]."""
-
-    def inertial_pressure(self, points: Array) -> Array:
-        """p* (F,) [Pa] of the inertia at ``points`` (closed); ``solve`` follows before the end."""
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""

@@ -145,6 +145,9 @@ class Structure(Protocol):
     def inertial_prediction(self) -> Array:
         """x~ (n, 3) [m] of this step: its acceleration at x is (x - x~) / acceleration_scale."""
 
+    def still_position(self) -> Array:
+        """x^ (n, 3) [m] of this step: its velocity at x is (x - x^) / b, by b^2 as below."""
+
     @property
     def acceleration_scale(self) -> float:
         """b^2 [s^2] of this step's implicit formula (dt^2 for Euler, (2 dt / 3)^2 for BDF2)."""

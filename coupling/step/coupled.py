@@ -24,7 +24,6 @@ from coupling.step.history import History
 from coupling.step.interface_problem import InterfaceProblem
 from coupling.step.interface_step import Iterate, known
 from coupling.step.remap import Remap, RemapSettings
-from coupling.step.surrogate import Surrogate, SurrogateSettings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,13 +37,10 @@ class CoupledSettings:
     diverged: float = 1e3
     backtracking: BacktrackingSettings = field(default_factory=BacktrackingSettings)
     remap: RemapSettings = field(default_factory=RemapSettings)
-    surrogate: SurrogateSettings = field(default_factory=SurrogateSettings)
 
 
 _NO_POLICIES = CoupledSettings(
-    backtracking=BacktrackingSettings(halvings=0),
-    remap=RemapSettings(maps=1),
-    surrogate=SurrogateSettings(iterations=0),
+    backtracking=BacktrackingSettings(halvings=0), remap=RemapSettings(maps=1)
 )
 
 
@@ -62,10 +58,9 @@ class CoupledStep:
     4. Where the iteration stagnates or diverges on its map, go on from 1 with the map for where the
        structure has come to (``Remap``); where x diverges, the step fails and is halved
        (``Halving``).
-    5. x becomes the scheme's update of (x, r), or where that is slow the solution with the
-       surrogate (``Surrogate``). Go on from 2.
+    5. x becomes the scheme's update of (x, r). Go on from 2.
 
-    The policies of 2, 4 and 5 are those of a scheme with ``takes_inertia`` (see
+    The policies of 2 and 4 are those of a scheme with ``takes_inertia`` (see
     ``InterfaceProblem``), which needs them in slams; of other schemes a step backtracks where it is
     opened only, and iterates as their papers have it. ``record`` is called after
     every iteration with time [s], iteration, relative residual, seconds.
@@ -91,7 +86,7 @@ class CoupledStep:
         )  # fmt: skip
         policies = self.settings if takes_inertia else _NO_POLICIES
         self.backtracking = Backtracking(policies.backtracking)
-        self.remap, self.surrogate = Remap(policies.remap), Surrogate(policies.surrogate)
+        self.remap = Remap(policies.remap)
         self.scheme = scheme
         self.convergence = convergence
         self.max_iterations = max_iterations
@@ -146,24 +141,19 @@ class CoupledStep:
                 continue
             if diverged:
                 raise diverged_at(time + dt, history.residuals)
-            x = self._next(iterate, history.on_map)
+            x = self._next(iterate)
         return iterate, relative
 
     def _begin_map(self, history: History) -> Array:
         """Forget what holds on one map only; where the interface (p, 3) [m] starts on this one."""
         history.begin_map()
         self.scheme.begin_step()
-        self.surrogate.begin_map()
         return self.problem.step.start
 
-    def _next(self, iterate: Iterate, on_map: list[float]) -> Array:
-        """The x (p, 3) [m] after ``iterate``; ``on_map``: relative residuals on this map."""
+    def _next(self, iterate: Iterate) -> Array:
+        """The scheme's x (p, 3) [m] after ``iterate``."""
         x, residual = iterate.points, iterate.residual
-        update = self.scheme.update(x.ravel(), residual.ravel()).reshape(x.shape)
-        found = self.surrogate.next(
-            self.problem, iterate, update, on_map, tolerance=self.convergence.tolerance
-        )
-        return update if found is None else found
+        return self.scheme.update(x.ravel(), residual.ravel()).reshape(x.shape)
 
     def accept(self) -> None:
         """Commit the last attempt."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Mapping
+
+import numpy as np
 
 from coupling.finite_volume.swept import pressure_force
 from coupling.interface.mapping import InterfaceMap
-from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, Structure
+from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, InterfaceMotion, Structure
 from coupling.step.backtracking import Backtracking
 from coupling.step.defects import Defects
 from coupling.step.interface_step import Answer, InterfaceStep, Iterate, StepRequest, known
@@ -85,10 +88,11 @@ class InterfaceProblem:
             shell = step_map.shell
             mapped = step_map.to_flow(nodes)
             ahead = self.flow.close_volume(mapped, shell)
-            shift, slid = ahead - mapped, None
+            shift = ahead - mapped
+            start = self.flow.points
             if shell is not None:
-                slid = self.flow.close_volume(step_map.to_flow(state.position) + shift, shell)
-            self.flow.begin_step(request.time, request.dt, shell=shell, start=slid)
+                start = self.flow.close_volume(step_map.to_flow(state.position) + shift, shell)
+            self.flow.begin_step(request.time, request.dt, shell=shell)
         inertia, rows = None, None
         if self.takes_inertia:
             with self.watch.timed("fluid"):
@@ -99,12 +103,16 @@ class InterfaceProblem:
             self.structure.begin_step(request.dt, request.load, rows)
         self._step = InterfaceStep(
             map=step_map,
-            start=self.flow.points if slid is None else slid,
+            start=start,
             shift=shift,
-            inertial=step_map.to_flow(self.structure.inertial_prediction()) + shift,
-            scale=self.structure.acceleration_scale,
+            motion=InterfaceMotion(
+                still=step_map.to_flow(self.structure.still_position()) + shift,
+                inertial=step_map.to_flow(self.structure.inertial_prediction()) + shift,
+                b=math.sqrt(self.structure.acceleration_scale),
+            ),
             inertia=inertia,
         )
+        self._answer = Answer(nodes=nodes, points=ahead, closure=np.zeros_like(ahead))
         return ahead if inertia is None else self._predicted(ahead)
 
     def _predicted(self, ahead: Array) -> Array:
@@ -119,22 +127,10 @@ class InterfaceProblem:
         """
         points = self.close_volume(points)
         with self.watch.timed("fluid"):
-            pressure = self.flow.solve(points)
+            pressure = self.flow.solve(points, self._motion if self.moves else None)
         image = self._image(points, pressure)
         self._solved = Iterate(points=points, pressure=pressure, image=image)
         return self._solved
-
-    def surrogate(self, iterate: Iterate) -> Callable[[Array], Array]:
-        """S(F~(y)), with F~(y) - F(x) as the flow's inertia alone has it, x that of ``iterate``.
-
-        Raises ``StepFailed``, ArithmeticError, as what it returns does.
-        """
-        rest = iterate.pressure - self._inertial_pressure(iterate.points)
-        return lambda points: self._image(points, rest + self._inertial_pressure(points))
-
-    def _inertial_pressure(self, points: Array) -> Array:
-        with self.watch.timed("fluid"):
-            return self.flow.inertial_pressure(points)
 
     def close_volume(self, points: Array) -> Array:
         """The nearest interface to ``points`` (p, 3) [m] that encloses the liquid's volume."""
@@ -145,15 +141,13 @@ class InterfaceProblem:
         """The interface (p, 3) that ``pressure`` (F,) [Pa] on it at ``points`` (p, 3) leads to."""
         force = pressure_force(points, self.flow.faces, pressure)
         if self.step.inertia is not None:
-            force = force + self.step.inertia.force(self._acceleration(points))
+            force = force + self.step.inertia.force(self._motion.acceleration(points))
         return self._structure_answer(force).points
 
-    def _acceleration(self, points: Array) -> Array:
-        """Of the interface (p, 3) [m/s^2] that ends the step at ``points`` (p, 3) [m].
-
-        What the volume's closure has moved the structure's last answer by is no acceleration.
-        """
-        return (points - known(self._answer).closure - self.step.inertial) / self.step.scale
+    @property
+    def _motion(self) -> InterfaceMotion:
+        """How the interface moves; what closing the last answer's volume took is no motion."""
+        return self.step.motion.shifted(known(self._answer).closure)
 
     def _structure_answer(self, force: Array) -> Answer:
         """What ``force`` (p, 3) [N] on the interface leads to."""
@@ -168,7 +162,7 @@ class InterfaceProblem:
         """Commit what the last call of ``image`` solved."""
         if self.step.inertia is not None:
             solved = known(self._solved)
-            inertial = self.step.inertia.pressure(self._acceleration(solved.points))
+            inertial = self.step.inertia.pressure(self._motion.acceleration(solved.points))
             self._defects.add(solved.pressure + inertial, known(self._request).dt)
         self.structure.accept_step()
         return self.flow.accept_step()

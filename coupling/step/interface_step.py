@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from coupling.interface.mapping import StepMap
-from coupling.ports import Array, HydrostaticLoad, LiquidInertia
+from coupling.ports import Array, HydrostaticLoad, InterfaceMotion, LiquidInertia
 
 Value = TypeVar("Value")
 
@@ -27,16 +27,14 @@ class InterfaceStep:
     """What is fixed while a step iterates on one map.
 
     ``start`` (p, 3) [m]: the interface at the step's start; ``shift`` (p, 3) [m]: closes the volume
-    of the mapped structure where the step is expected to end; ``inertial`` (p, 3) [m]: where the
-    structure's inertia alone would take the interface; ``scale`` b^2 [s^2]: an interface at x is
-    accelerated by (x - inertial) / b^2. ``inertia``: the liquid's, where the scheme takes it in.
+    of the mapped structure where the step is expected to end; ``motion`` of the interface that
+    does. ``inertia``: the liquid's, where the scheme takes it in.
     """
 
     map: StepMap
     start: Array
     shift: Array
-    inertial: Array
-    scale: float
+    motion: InterfaceMotion
     inertia: LiquidInertia | None
 
     def to_flow(self, nodes: Array) -> Array:

@@ -194,6 +194,10 @@ class FreeSurface:
         """b^2 [s^2] of this step's implicit formula."""
         return self.step.b**2
 
+    def still_position(self) -> Array:
+        """Where the nodes (p, 3) [m] would have no velocity."""
+        return np.asarray(self.reference + self.step.anchor[:, None] * self.path)
+
     def inertial_prediction(self) -> Array:
         """Where the nodes (p, 3) [m] would go without forces."""
         return np.asarray(self.reference + self.step.predicted[:, None] * self.path)

@@ -176,6 +176,10 @@ class Piston:
         """b^2 [s^2] of this step's implicit formula."""
         return self._step.b**2
 
+    def still_position(self) -> Array:
+        """Where the ends (p, 3) [m] would have no velocity."""
+        return self._points(self._step.anchor)
+
     def inertial_prediction(self) -> Array:
         """Where the ends (p, 3) [m] would go without forces."""
         return self._points(self._step.ahead)

@@ -22,6 +22,7 @@ from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.fields import read_cells, read_points
 from coupling.foam.installation import find_openfoam
 from coupling.foam.process import run_program
+from coupling.ports import InterfaceMotion
 
 pytestmark = pytest.mark.openfoam
 
@@ -69,6 +70,11 @@ def check_mesh(flow, *arguments):
 
 def figure(text, after):
     return float(text.split(after, 1)[1].split()[0].rstrip("."))
+
+
+@pytest.fixture(params=["restart", "keep-alive"])
+def solver(request, alive):
+    return alive if request.param == "keep-alive" else find_openfoam()
 
 
 @pytest.fixture(params=[176, 540])
@@ -150,20 +156,6 @@ def test_first_pressure_is_that_of_the_inertia(flow):
     assert np.linalg.norm(force - expected) < 0.02 * np.linalg.norm(expected)
 
 
-def test_inertial_pressure_is_the_flows_from_rest_and_changes_with_the_shape(flow):
-    # As above, at the shape of the step's end. From one end to another, where convection counts
-    # too, it leaves less of the flow's own change than the operator of the start.
-    start = flow.points
-    flow.begin_step(0.0, STEP)
-    fixed = flow.liquid_inertia(start)
-    ends = [moved(flow, size) for size in (1e-3, 0.02, 0.03)]
-    found = [(flow.solve(end).copy(), flow.inertial_pressure(end)) for end in ends]
-    assert np.linalg.norm(found[0][0] - found[0][1]) < 0.02 * np.linalg.norm(found[0][0])
-    change, inertial = (found[2][k] - found[1][k] for k in range(2))
-    held = change + fixed.pressure((ends[2] - ends[1]) / STEP**2)
-    assert np.linalg.norm(change - inertial) < 0.8 * np.linalg.norm(held)
-
-
 def wall_values(path, patch, count):
     """Values (count,) that OpenFOAM wrote for a ``patch``, binary."""
     data = path.read_bytes().split(b"boundaryField")[1].split(patch)[1].split(b"value", 1)[1]
@@ -180,7 +172,7 @@ def test_walls_pressure_is_what_the_coupler_carries_on_to_them(tmp_path):
     own = flow.mesh.owner[flow.mesh.diaphragm]
     geometry = flow._following.now.geometry
     area = np.linalg.norm(geometry.face_area[flow.mesh.diaphragm], axis=1)
-    across = DENSITY * wall_distance(flow.mesh, geometry) * flow._solution.swept / STEP**2 / area
+    across = DENSITY * wall_distance(flow.mesh, geometry) * flow._solution.walls.rate / area
     aside = got - (cells[own] - across)
     assert np.ptp(aside) > 0.005 * np.ptp(face)  # this mesh leans
 
@@ -293,3 +285,39 @@ def test_wall_pressure_keeps_the_cells_beside_it_at_the_speed_of_the_fluxes(tmp_
         assert ("zeroGradient" in kind) == (name == "stock")
     assert found["own"] == pytest.approx(np.exp(-1.84 * depth / RADIUS), rel=0.05)
     assert found["stock"] < 0.5 * found["own"]
+
+
+def test_points_that_slide_along_a_sheet_at_rest_leave_the_liquid_at_rest(tmp_path, solver):
+    # The sheet's facets change, the sheet does not move: no pressure, no velocity. As a motion of
+    # the wall the same would be a blow.
+    flow = flow_at_rest(tmp_path / "foam", 176, openfoam=solver)
+    target = moved(flow, 2e-3)
+    flow.begin_step(0.0, STEP)
+    blow = np.abs(flow.solve(target)).max()
+    swift = np.abs(flow._solution.velocity).max()
+    flow.solve(target, InterfaceMotion(still=target, inertial=target, b=STEP))
+    assert np.abs(flow._solution.wall_pressure).max() < 1e-6 * blow  # the linear solvers' 1e-11
+    assert np.abs(flow._solution.velocity).max() < 1e-6 * swift
+    flow.accept_step()
+    flow.close()
+
+
+def test_a_sheet_drives_the_same_liquid_whether_or_not_its_points_slide(tmp_path, solver):
+    # Points that follow the sheet, and points that slide along it by half a cell's width, on a
+    # sheet in the same motion. What differs is the facets' shape.
+    found = []
+    for slides in (False, True):
+        flow = flow_at_rest(tmp_path / str(slides), 540, openfoam=solver)
+        start, target = flow.points, moved(flow, 1e-4)
+        motion = InterfaceMotion(still=start, inertial=start, b=STEP)
+        if slides:
+            turn = np.where(flow.mesh.rim, 0.0, 0.05 * (1 - np.hypot(*start[:, :2].T) / RADIUS))
+            aside = np.stack([-start[:, 1], start[:, 0], 0 * turn], axis=1) * turn[:, None]
+            slid, motion = flow.close_volume(target + aside), motion.shifted(aside)
+            target = slid
+        flow.begin_step(0.0, STEP)
+        flow.solve(target, motion)
+        found.append(pressure_force(target, flow.faces, flow._solution.face_pressure))
+        flow.close()
+    force = [np.sum(nodal * (found[0] / np.linalg.norm(found[0]))) for nodal in found]
+    assert force[1] == pytest.approx(force[0], rel=0.03)

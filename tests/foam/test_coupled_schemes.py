@@ -8,8 +8,6 @@ from coupling.ports import StepFailed
 from coupling.scene.scene import scene_from
 from coupling.simulation.driver import run
 from coupling.step.remap import RemapSettings
-from coupling.step.surrogate import SurrogateSettings, surrogate_iterate
-from coupling.store.iteration_log import read_iterations
 from coupling.store.results import read_results
 
 pytestmark = pytest.mark.openfoam
@@ -61,39 +59,17 @@ def test_a_map_made_anew_within_the_step_leads_to_the_same_motion(best, tmp_path
     assert np.abs(one - other).max() < 1e-3 * np.abs(one - one[0]).max()
 
 
-def test_the_surrogate_leads_to_the_same_motion(best, tmp_path, monkeypatch):
-    solved = []
-
-    def watched(*arguments, **options):
-        found = surrogate_iterate(*arguments, **options)
-        solved.append(found is not None)
-        return found
-
-    monkeypatch.setattr("coupling.step.surrogate.surrogate_iterate", watched)
-    monkeypatch.setitem(
-        SurrogateSettings.__init__.__kwdefaults__, "rate", 1e-3
-    )  # no scheme's iteration is so fast
-    summary, folder = coupled(tmp_path, "added-mass", 1e-7)
-    assert summary["coupling"]["unconverged_steps"] == 0
-    assert solved == [True] * 3  # in the third iteration of every step
-    residual = read_iterations(folder)[:, 2].reshape(3, 4)
-    # What it leaves: its own accuracy and what the flow does beyond inertia, some per cent.
-    assert (residual[:, 3] < 0.1 * residual[:, 2]).all()
-    one, other = read_results(best[1]).liquid_cg, read_results(folder).liquid_cg
-    assert np.abs(one - other).max() < 10 * TOLERANCE * np.abs(one - one[0]).max()
-
-
 @pytest.mark.parametrize("method", ["liquid_inertia", "solve"])
 def test_where_the_flow_has_no_mesh_half_the_way_is_taken(best, tmp_path, monkeypatch, method):
     # Of the map where the step begins, or of its first iterate.
     way = {}
     original = getattr(OpenFoamFlow, method)
 
-    def shorter(flow, points):
+    def shorter(flow, points, *motion):
         way.setdefault(flow.time, []).append(np.abs(points - flow.points).max())
         if len(way[flow.time]) == 1:
             raise StepFailed("too far")
-        return original(flow, points)
+        return original(flow, points, *motion)
 
     monkeypatch.setattr(OpenFoamFlow, method, shorter)
     summary, folder = coupled(tmp_path, "added-mass")

@@ -13,16 +13,24 @@ from pathlib import Path
 import numpy as np
 
 from coupling.finite_volume.following import FollowingMesh
-from coupling.finite_volume.liquid_inertia import LiquidInertia
+from coupling.finite_volume.gradients import wall_pressure
+from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.rates import FluxRate
 from coupling.finite_volume.wall import cell_distance, wall_flow
 from coupling.fluids.openfoam.flow_step import FlowSettings, FlowSolution, FlowStep
 from coupling.fluids.openfoam.sample import flow_sample
+from coupling.fluids.openfoam.wall_motion import (
+    NO_SLIDE,
+    WallMotion,
+    centre_velocity,
+    following_walls,
+    sliding_walls,
+)
 from coupling.foam.keepalive import case_of
 from coupling.foam.kept_times import KeptTimes
 from coupling.foam.process import OpenFoam
-from coupling.ports import AnyArray, Array, FlowSample, Ints, Shell
+from coupling.ports import AnyArray, Array, FlowSample, InterfaceMotion, Ints, Shell
 
 
 class OpenFoamFlow:
@@ -51,8 +59,8 @@ class OpenFoamFlow:
         self.faces: Ints = mesh.patch_faces
         self._following = FollowingMesh(mesh, shell)
         self._initial = self._following.patch, self._following.shell  # at rest
-        self._moving, self._sliding = self._rates()
-        self._pressure_before = np.zeros(len(self.faces))  # p* on them a step ago [Pa]
+        self._swept = FluxRate(len(mesh.faces) - mesh.inner_faces)
+        self._power = 0.0  # of p* on the diaphragm [W], as committed
         self.time, self._previous_dt = 0.0, 0.0  # the latter of the step before, 0 at the start
         self._step: FlowStep | None = None
         self._solution: FlowSolution | None = None
@@ -106,42 +114,20 @@ class OpenFoamFlow:
         self.time, self._previous_dt = 0.0, 0.0
         self._initial = patch, shell
         self._following.place(patch, shell)
-        self._moving, self._sliding = self._rates()
-        self._pressure_before = np.zeros(len(self.faces))
+        self._swept = FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
+        self._power = 0.0
 
-    def _rates(self) -> tuple[FluxRate, FluxRate]:
-        """Of the diaphragm's fluxes, and of those that sliding makes on all boundary faces."""
-        return FluxRate(len(self.faces)), FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
+    def begin_step(self, time: float, dt: float, *, shell: Array | None = None) -> None:
+        """Start a step of ``dt`` [s] from the committed fields at ``time`` [s].
 
-    def begin_step(
-        self, time: float, dt: float, *, shell: Array | None = None, start: Array | None = None
-    ) -> None:
-        """Start a step from the committed fields.
-
-        A map that changes between two steps takes the patch from one set of facets on the same
-        sheet to another. For the solver that is a motion, to which the liquid's inertia answers;
-        that must not act on the sheet.
-
-        Parameters
-        ----------
-        time, dt
-            When the step starts, and its length [s].
-        shell
-            Where the shell's points end the step (s, 3) [m], None where they stay.
-        start
-            Where the interface's points, slid along, start it (p, 3) [m], None where they do not
-            slide.
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
         """
         self._following.begin_step(shell)
-        sliding = None
-        if start is not None:
-            sliding = self._sliding(self._following.slid(start), dt, self._previous_dt)
         # As the case names its folders: the next step starts where this ends, digit for digit.
         self.time = round(time, 11)
         self._step = FlowStep(
-            mesh=self.mesh, density=self.density, start=self.time, end=round(time + dt, 11), dt=dt,
-            previous_dt=self._previous_dt, sliding=sliding,
-        )  # fmt: skip
+            start=self.time, end=round(time + dt, 11), dt=dt, previous_dt=self._previous_dt
+        )
 
     @property
     def step(self) -> FlowStep:
@@ -154,54 +140,67 @@ class OpenFoamFlow:
         """Return the nearest interface that encloses the volume: ``FollowingMesh.close_volume``."""
         return self._following.close_volume(points, shell)
 
-    def solve(self, points: Array) -> Array:
-        """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end."""
+    def solve(self, points: Array, motion: InterfaceMotion | None = None) -> Array:
+        """p* (F,) [Pa] on the diaphragm's faces, area mean removed, at the step's end.
+
+        A map that changes between two steps takes the patch from one set of facets on the same
+        sheet to another. Only the sheet's own ``motion`` drives the liquid.
+
+        Parameters
+        ----------
+        points
+            The interface at the step's end (p, 3) [m], its volume closed.
+        motion
+            Of the diaphragm at these points, where they slide along it.
+        """
         step = self.step
         swept = self._following.follow(points, step.moment)
         step.refuse_open(swept, self.volume, self.settings)
         shape = self._following.now
-        pressure, velocity = self.case.advance(step.start, step.end, shape.points)
-        if step.sliding is not None and step.operator is None:
-            self._step = step = step.expected_at(shape.geometry)
-        swept = swept[: self.mesh.diaphragm_faces]
-        rate = self._moving(swept, step.dt, step.previous_dt)
+        walls = self._wall_motion(swept, motion)
+        pressure, velocity = self.case.advance(step.start, step.end, shape.points, walls.slide)
         self._solution = FlowSolution(
             velocity=velocity,
-            wall_pressure=step.wall_pressure(shape.geometry, pressure, rate),
-            swept=swept,
+            wall_pressure=self.density
+            * wall_pressure(self.mesh, shape.geometry, pressure, walls.rate),
+            walls=walls,
         )
         return self._solution.face_pressure
 
-    def inertial_pressure(self, points: Array) -> Array:
-        """What ``solve``, which comes again before the end, would say of inertia alone (F,)."""
-        step = self.step
-        swept = self._following.follow(points, step.moment)[: self.mesh.diaphragm_faces]
-        rate = self._moving(swept, step.dt, step.previous_dt)
-        return step.inertial_pressure(self._following.now.geometry, rate)
+    def _wall_motion(self, swept: Array, motion: InterfaceMotion | None) -> WallMotion:
+        """How the walls move whose faces sweep ``swept`` (B,) [m^3] in the step."""
+        step, following = self.step, self._following
+        rate = self._swept(swept, step.dt, step.previous_dt)
+        of_points = centre_velocity(self.mesh, following.committed, following.now, step.dt)
+        if motion is None:
+            return following_walls(
+                self.mesh, of_points=of_points, swept=self._swept.flux, rate=rate
+            )
+        return sliding_walls(
+            self.mesh, following.now, motion,
+            of_points=of_points, swept=self._swept.flux, least=NO_SLIDE * self.volume / step.dt,
+        )  # fmt: skip
 
     def liquid_inertia(self, points: Array) -> LiquidInertia:
         """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
         self._following.follow(points, self.step.moment)
-        self._step = self.step.expected_at(self._following.now.geometry)
-        assert self._step.operator is not None
-        return LiquidInertia.of(self._step.operator, points, self.density)
+        laplacian = NeumannLaplacian(self.mesh, self._following.now.geometry)
+        return LiquidInertia.of(laplacian, points, self.density)
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
         step, solution = self.step, self._solution
         if solution is None:
             raise RuntimeError("flow: solve comes first.")
-        self._moving.accept_step()
-        if step.sliding is not None:
-            self._sliding.accept_step()
+        self._swept.accept_step()
         self._times.leave(self.time)
         self.time, self._previous_dt = step.end, step.dt
         walls = wall_flow(
-            self.mesh, self._following.geometry, self._following.now.geometry, solution.velocity,
-            dt=step.dt, viscosity=self.density * self.viscosity,
+            self.mesh, self._following.now.geometry, solution.velocity, solution.walls.velocity,
+            viscosity=self.density * self.viscosity,
         )  # fmt: skip
-        work = 0.5 * float((self._pressure_before + solution.face_pressure) @ solution.swept)
-        self._pressure_before = solution.face_pressure
+        work = 0.5 * step.dt * (self._power + solution.power)
+        self._power = solution.power
         self._following.accept_step()
         return flow_sample(
             self.mesh, self._following.geometry,
@@ -225,9 +224,8 @@ class OpenFoamFlow:
             "initial": self._initial[0],
             "shell": self._initial[1],
             "points": self.mesh_points,
-            "moving": self._moving.save(),
-            "sliding": self._sliding.save(),
-            "pressure": self._pressure_before,
+            "swept": self._swept.save(),
+            "power": np.array([self._power]),
         }
         return saved | self.case.pack(self.time)
 
@@ -242,8 +240,7 @@ class OpenFoamFlow:
             self.case.create(self.mesh_points, viscosity=self.viscosity)
         self.time, self._previous_dt = saved["clock"].tolist()
         self._following.return_to(saved["points"])
-        self._moving.restore(saved["moving"])
-        self._sliding.restore(saved["sliding"])
-        self._pressure_before = saved["pressure"]
+        self._swept.restore(saved["swept"])
+        self._power = float(saved["power"][0])
         self._times.return_to(self.time)
         self.case.unpack(self.time, saved)

@@ -37,7 +37,6 @@ def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow,
     shell, mesh = scene.tank.shell, half_ball(scene.openfoam.cells)
     moulded = scene.tank.mould.directions(cloth.reference)
     mapping = FreePatch(mesh, cloth, shell=shell, moulded=moulded)
-    mapping.fit(cloth.state, scene.liquid_volume)
     flow = OpenFoamFlow(
         folder,
         mesh,

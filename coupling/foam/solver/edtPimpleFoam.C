@@ -12,6 +12,7 @@
 
 #include "coupler.H"
 #include "stepTime.H"
+#include "slides.H"
 #include "sweeps.H"
 
 int main(int argc, char *argv[])
@@ -36,6 +37,7 @@ int main(int argc, char *argv[])
     coupler.ready(mesh.nCells(), mesh.nPoints(), runTime.value());
 
     pointField points(mesh.nPoints());
+    PtrList<vectorIOField> slides(slidesOf(mesh));
 
     Request request;
     while (coupler.next(request))
@@ -47,6 +49,7 @@ int main(int argc, char *argv[])
             continue;
         }
         coupler.read(points, request.count);
+        for (vectorIOField& slide : slides) coupler.read(slide);
 
         if (request.command == ADVANCE)
         {

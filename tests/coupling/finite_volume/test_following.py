@@ -44,9 +44,7 @@ def test_a_sliding_shell_is_closed_too(following):
     following.begin_step(turned)
     patch = following.close_volume(following.patch)
     assert np.abs(patch - following.patch).max() > 1e-6
-    swept = following.slid(patch)
-    assert (following.follow(patch, "now") == swept).all()
-    assert abs(swept.sum()) < 1e-14
+    assert abs(following.follow(patch, "now").sum()) < 1e-14
 
 
 def test_later_iterations_follow_linearly(following):

@@ -14,7 +14,6 @@ from coupling.step.coupled import CoupledSettings, CoupledStep
 from coupling.step.history import History
 from coupling.step.interface_step import Iterate
 from coupling.step.remap import Remap, RemapSettings
-from coupling.step.surrogate import Surrogate, SurrogateSettings
 
 CRITERION = Convergence(tolerance=1e-4, acceleration=0.0)
 GOAL = np.ones((3, 3))
@@ -65,14 +64,14 @@ def test_remap_is_due_where_iterations_diverge_or_get_nowhere():
 
 
 class Linear:
-    """x = factor x + 1 from 0, with its exact surrogate; remapped, with ``later`` for a factor."""
+    """x = factor x + 1 from 0; remapped, with ``later`` for a factor."""
 
     moves = True
 
     def __init__(self, factor, later=0.0):
         self.factor, self.later = factor, later
         self.step = SimpleNamespace(start=np.zeros((3, 3)))
-        self.images, self.maps, self.abandoned, self.surrogates = 0, 1, False, 0
+        self.images, self.maps, self.abandoned = 0, 1, False
 
     def begin_step(self, time, dt, load):
         return np.full((3, 3), 0.5)
@@ -88,14 +87,6 @@ class Linear:
         self.images += 1
         return Iterate(points=points, pressure=np.zeros(1), image=self.factor * points + 1.0)
 
-    def surrogate(self, iterate):
-        self.surrogates += 1
-        return lambda points: self.factor * points + 1.0
-
-    @staticmethod
-    def close_volume(points):
-        return points
-
     def accept_step(self):
         return SimpleNamespace(volume_error=0.0)
 
@@ -110,12 +101,9 @@ def coupled(problem, scheme, *, policies=True, **settings):
     return step
 
 
-NO_SURROGATE = SurrogateSettings(iterations=0)
-
-
 def test_a_step_converges_by_its_scheme():
     problem = Linear(0.5)
-    step = coupled(problem, FixedPoint(), surrogate=NO_SURROGATE)
+    step = coupled(problem, FixedPoint())
     step.attempt(0.0, 0.1, None)
     step.accept()
     # The residual over the step's displacement is 0.5/0.5 first and halves: 2^-14 < 1e-4.
@@ -123,34 +111,9 @@ def test_a_step_converges_by_its_scheme():
     assert problem.maps == 1
 
 
-def test_a_slow_scheme_is_helped_by_the_surrogate():
-    problem = Linear(0.9)
-    step = coupled(problem, FixedPoint())
-    step.attempt(0.0, 0.1, None)
-    assert problem.surrogates == 1
-    assert problem.images == 4  # three to see that it is slow, and the solution
-
-
-def test_a_surrogate_that_does_no_better_is_given_up():
-    surrogate = Surrogate(SurrogateSettings())
-    surrogate.begin_map()
-    problem = Linear(0.9)
-    iterate = problem.image(GOAL)
-
-    def following(*residuals):
-        return surrogate.next(problem, iterate, iterate.image, [*residuals], tolerance=1e-4)
-
-    assert following(1.0, 0.1) is None  # fast
-    assert following(1.0, 0.9, 0.8) is not None
-    assert following(1.0, 0.9, 0.8, 0.7) is None  # what it has led to is no better
-    assert following(1.0, 0.9, 0.8, 0.7, 0.6) is None
-    surrogate.begin_map()
-    assert following(1.0, 0.9, 0.8) is not None
-
-
 def test_a_step_that_stagnates_on_its_map_gets_a_new_one():
     problem = Linear(-5.0, later=0.1)
-    step = coupled(problem, FixedPoint(), surrogate=NO_SURROGATE, diverged=5.0)
+    step = coupled(problem, FixedPoint(), diverged=5.0)
     step.attempt(0.0, 0.1, None)
     assert problem.maps == 2
     assert not problem.abandoned
@@ -158,9 +121,7 @@ def test_a_step_that_stagnates_on_its_map_gets_a_new_one():
 
 def test_a_step_that_diverges_on_all_maps_fails_and_is_abandoned():
     problem = Linear(-5.0, later=-5.0)
-    step = coupled(
-        problem, FixedPoint(), surrogate=NO_SURROGATE, diverged=5.0, remap=RemapSettings(maps=2)
-    )
+    step = coupled(problem, FixedPoint(), diverged=5.0, remap=RemapSettings(maps=2))
     with pytest.raises(RunFailed, match="the coupling diverges"):
         step.attempt(0.0, 0.1, None)
     assert problem.maps == 2
@@ -171,7 +132,7 @@ def test_a_scheme_without_the_liquids_inertia_has_no_policies():
     problem = Linear(-5.0, later=0.1)
     with pytest.raises(RunFailed, match="the coupling diverges"):
         coupled(problem, FixedPoint(), policies=False, diverged=5.0).attempt(0.0, 0.1, None)
-    assert (problem.maps, problem.surrogates) == (1, 0)
+    assert problem.maps == 1
 
 
 def test_a_secant_solves_a_linear_step_without_policies():
