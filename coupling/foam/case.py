@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Mapping
 from functools import cached_property
 from importlib.resources import as_file, files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.foam import fields
@@ -27,7 +25,7 @@ if TYPE_CHECKING:
     from coupling.ports import Array
 
 _PATCHES = ("diaphragm", "shell")
-_WALL = "acceleratingWallPressure"  # of the walls' library, as is what follows
+WALL_PRESSURE = "acceleratingWallPressure"  # of the walls' library, as is what follows
 _SLIDING = "slidingWallVelocity"
 _SHOWN = frozenset({"p", "U", "points"})  # what is looked at, of the files of a time
 _TIME = re.compile(r"\d+(\.\d+)?(e-\d+)?")
@@ -85,7 +83,7 @@ class Case:
 
     def _take_walls(self) -> None:
         """Take the conditions of an accelerating, sliding wall, from the library built."""
-        for name, kind in (("p", _WALL), ("U", _SLIDING)):
+        for name, kind in (("p", WALL_PRESSURE), ("U", _SLIDING)):
             field = ParsedParameterFile(str(self.folder / "0" / name))
             for patch in _PATCHES:
                 field["boundaryField"][patch]["type"] = kind
@@ -112,7 +110,9 @@ class Case:
             f"{head}{len(_PATCHES)}\n(\n{entries})\n", encoding="utf-8"
         )
 
-    def advance(self, start: float, end: float, points: Array, slide: Array) -> tuple[Array, Array]:
+    def advance(
+        self, start: float, end: float, points: Array, slide: Array | None = None
+    ) -> tuple[Array, Array]:
         """Solve a step; the fields at its start stay, so that the call can be repeated.
 
         Parameters
@@ -122,7 +122,8 @@ class Case:
         points
             Where all points end it (P, 3) [m].
         slide
-            What the points of the boundary's faces move more than the walls do (B, 3) [m/s].
+            What the points of the boundary's faces move more than the walls do (B, 3) [m/s], None
+            where they move as the walls.
 
         Returns
         -------
@@ -137,7 +138,7 @@ class Case:
             The solver fails, or cannot take a step of this length, or points that slide.
         """
         self._refuse_uneven(start, end)
-        self._write_slide(slide, f"t = {end:.6g} s")
+        self._write_slide(self.slide_of(slide), f"t = {end:.6g} s")
         origin, result = self.time_folder(start) / "polyMesh", self.time_folder(end)
         origin.mkdir(exist_ok=True)
         fields.write_points(origin / "points0", points)
@@ -149,6 +150,12 @@ class Case:
         )  # fmt: skip
         cells = self.mesh.cells
         return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
+
+    def slide_of(self, slide: Array | None) -> Array:
+        """``slide`` (B, 3) [m/s], zero where it is None."""
+        return (
+            np.zeros((len(self.mesh.faces) - self.mesh.inner_faces, 3)) if slide is None else slide
+        )
 
     def _write_slide(self, slide: Array, moment: str) -> None:
         """Leave ``slide`` (B, 3) [m/s] where the walls' library looks for it."""
@@ -242,41 +249,3 @@ class Case:
         folders = [p.folder / self.time_name(t) for p in self.parts for t in self.times if t > 0]
         files = (path for folder in folders for path in folder.rglob("*") if path.is_file())
         return sum(path.stat().st_size for path in files)
-
-    def pack(self, time: float) -> dict[str, NDArray[np.uint8]]:
-        """The files of the fields at ``time`` [s] as bytes, by ``file:`` and their names."""
-        self.flush(time)
-        packed = {}
-        for part in self.parts:
-            folder = part.folder / self.time_name(time)
-            for path in sorted(folder.rglob("*")):
-                if path.is_file():
-                    name = (Path(part.name) / path.relative_to(folder)).as_posix()
-                    packed[f"file:{name}"] = np.frombuffer(path.read_bytes(), np.uint8)
-        return packed
-
-    def unpack(self, time: float, saved: Mapping[str, NDArray[Any]]) -> None:
-        """The reverse of ``pack``; other entries of ``saved`` are ignored.
-
-        Raises ``OpenFoamFailed`` where they are those of another number of processors, or ask for
-        the walls' library where it has not been built.
-        """
-        named = {name.split("/")[0] for name in saved if name.startswith("file:processor")}
-        if max(1, len(named)) != len(self.parts):
-            raise OpenFoamFailed(
-                f"t = {time:.6g} s: the checkpoint is one of {max(1, len(named))} processors, the "
-                f"scene asks for {len(self.parts)}. Set openfoam.processors = {max(1, len(named))}."
-            )
-        pressures = (bytes(data) for name, data in saved.items() if re.search("[:/]p$", name))
-        if self.openfoam.walls is None and any(_WALL.encode() in data for data in pressures):
-            raise OpenFoamFailed(
-                f"t = {time:.6g} s: the run was begun with the walls' pressure that 'edt "
-                "build-solver' builds, which is not there now. Run 'edt build-solver', then resume."
-            )
-        for part in self.parts:
-            head = f"file:{part.name}/" if part.name else "file:"
-            for name, data in saved.items():
-                if name.startswith(head):
-                    path = part.folder / self.time_name(time) / name.removeprefix(head)
-                    path.parent.mkdir(parents=True, exist_ok=True)
-                    path.write_bytes(data.astype(np.uint8).tobytes())

@@ -34,8 +34,8 @@ def find_openfoam(
     """
     found, project = _located(command)
     version = _version(found, str(project))
-    built = built_solver(version) if Path(found).name == STOCK else None
-    alive = built if keep_alive else None
+    built = built_solver(version)
+    alive = built if keep_alive and Path(found).name == STOCK else None
     if processors > 1:
         _check_parallel(alive is not None)
     _check_paths(found, built)
@@ -51,8 +51,13 @@ def find_openfoam(
 
 
 def check_installed(command: str, *, keep_alive: bool, processors: int) -> None:
-    """Raise ``OpenFoamMissing`` where a program that a run needs is not there; starts none."""
+    """Raise ``OpenFoamMissing`` where what a run needs is not there; no program is started."""
     found, _ = _located(command)
+    if not built_for_any():
+        raise OpenFoamMissing(
+            "openfoam: the walls' library, without which points cannot slide along the diaphragm, "
+            "has not been built. Run 'edt build-solver', once, or take model.fluid = 'potential'."
+        )
     if processors > 1:
         _check_parallel(keep_alive and Path(found).name == STOCK and built_for_any())
 

@@ -58,7 +58,9 @@ class AliveCase(Case):
         assert self.openfoam.keep_alive is not None
         return self.openfoam.keep_alive
 
-    def advance(self, start: float, end: float, points: Array, slide: Array) -> tuple[Array, Array]:
+    def advance(
+        self, start: float, end: float, points: Array, slide: Array | None = None
+    ) -> tuple[Array, Array]:
         """As ``Case.advance``; the fields at ``start`` stay with the process."""
         moment, name = f"t = {end:.6g} s", self.time_name(start)
         if self._pipes is None or name not in (self._began, self._reached):
@@ -66,7 +68,7 @@ class AliveCase(Case):
         command = REPEAT if name == self._began else ADVANCE
         # To the digits of system/step, so that both solvers use the same numbers.
         times = float(f"{start:.12g}"), float(f"{end - start:.12g}")
-        requests = []
+        slide, requests = self.slide_of(slide), []
         for part in self.parts:
             own = points[part.points]
             body = np.concatenate([own, slide[part.walls]]).tobytes()

@@ -6,8 +6,6 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
 from coupling.finite_volume.mesh import half_ball
 from coupling.foam.installation import OpenFoamMissing, cause_of, find_openfoam, mend_of
 from coupling.foam.keepalive import case_of
@@ -49,8 +47,7 @@ def _step(folder: Path, openfoam: OpenFoam) -> str:
     case = case_of(folder, mesh, openfoam=openfoam, timeout=_TIMEOUT)
     try:
         case.create(mesh.points, viscosity=1e-6)
-        still = np.zeros((len(mesh.faces) - mesh.inner_faces, 3))
-        case.advance(0.0, _STEP, mesh.points, still)
+        case.advance(0.0, _STEP, mesh.points)
     except (OpenFoamFailed, StepFailed) as error:
         said = case.log.read_text(encoding="utf-8", errors="replace") if case.log.is_file() else ""
         return said or str(error).partition(". ")[0].partition(": ")[2]

@@ -29,6 +29,7 @@ from coupling.fluids.openfoam.wall_motion import (
 )
 from coupling.foam.keepalive import case_of
 from coupling.foam.kept_times import KeptTimes
+from coupling.foam.packed_times import packed, unpack
 from coupling.foam.process import OpenFoam
 from coupling.ports import AnyArray, Array, FlowSample, InterfaceMotion, Ints, Shell
 
@@ -227,7 +228,7 @@ class OpenFoamFlow:
             "swept": self._swept.save(),
             "power": np.array([self._power]),
         }
-        return saved | self.case.pack(self.time)
+        return saved | packed(self.case, self.time)
 
     def close(self) -> None:
         """Leave the committed fields in files, and end the solver; a step may still follow."""
@@ -243,4 +244,4 @@ class OpenFoamFlow:
         self._swept.restore(saved["swept"])
         self._power = float(saved["power"][0])
         self._times.return_to(self.time)
-        self.case.unpack(self.time, saved)
+        unpack(self.case, self.time, saved)

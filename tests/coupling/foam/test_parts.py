@@ -65,13 +65,17 @@ def test_values_go_out_and_come_back(tmp_path):
         for kind in ("point", "cell"):
             path = tmp_path / f"processor{rank}" / "constant" / "polyMesh"
             write_labels(path / f"{kind}ProcAddressing", own, binary=True)
-    parts = decomposed(tmp_path, 2)
+        # Faces counted from 1, those turned round negative; of the whole mesh the first 3 are inner.
+        faces = np.array([1, -3, 5, 8] if rank == 0 else [2, 3, 7, 4, 6])
+        write_labels(path / "faceProcAddressing", faces, binary=True)
+    parts = decomposed(tmp_path, 2, 3)
+    assert [part.walls.tolist() for part in parts] == [[1, 4], [3, 0, 2]]
     assert [part.name for part in parts] == ["processor0", "processor1"]
     values = np.arange(15.0).reshape(5, 3)
     assert (gathered(parts, [values[part.cells] for part in parts]) == values).all()
     assert (gathered(parts, [values[part.cells, 1] for part in parts]) == values[:, 1]).all()
     with pytest.raises(OpenFoamFailed, match="processor2"):
-        decomposed(tmp_path, 3)
+        decomposed(tmp_path, 3, 3)
 
 
 def test_case_that_is_not_decomposed_is_one_part(tmp_path):
