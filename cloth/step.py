@@ -172,6 +172,13 @@ class Cloth:
         """Whether the last solve of this step met its tolerance and kept the volume."""
         return self._solution is None or self._solution.converged
 
+    @property
+    def local_error(self) -> float:
+        """Rms error [m] that this step's length adds, of the last solve."""
+        if self._solution is None:
+            return 0.0
+        return self._begun().local_error(self._solution.position)
+
     def solve(self, force: Array, *, alone: bool = False) -> Array:
         """Return positions (n, 3) [m] under the load and nodal ``force`` (n, 3) [N].
 

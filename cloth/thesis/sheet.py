@@ -92,6 +92,11 @@ class ThesisSheet:
         """Always true: the thesis promises neither a volume nor a largest strain."""
         return True
 
+    @property
+    def local_error(self) -> float:
+        """None: what the thesis' explicit milliseconds add is not estimated."""
+        return 0.0
+
     def _begun(self) -> Load:
         if self._load is None:
             raise RuntimeError("thesis cloth: begin_step comes first.")

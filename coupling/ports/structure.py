@@ -182,3 +182,7 @@ class IterativeStructure(Structure, Protocol):
     @property
     def converged(self) -> bool:
         """Whether the last solve reached its tolerance."""
+
+    @property
+    def local_error(self) -> float:
+        """Rms error [m] of the last solve that the step's length adds; 0 where not estimated."""

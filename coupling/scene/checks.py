@@ -119,6 +119,11 @@ def _check_grid(scene: Scene) -> list[str]:
             'diaphragm.thickness_map: does not apply to cloth.grid = "thesis". '
             'Give diaphragm.thickness, or take cloth.grid = "rings".'
         )
+    if scene.time.step_tolerance is not None:
+        problems.append(
+            'time.step_tolerance: does not apply to cloth.grid = "thesis", whose steps are of a '
+            'millisecond. Leave it out, or take cloth.grid = "rings".'
+        )
     if scene.cloth.wrinkling != "relaxed":
         problems.append(
             f'cloth.wrinkling: does not apply to cloth.grid = "thesis", got '
@@ -205,5 +210,11 @@ def _check_time(scene: Scene) -> list[str]:
         problems.append(
             f"time.step: must be at most 1/{FEWEST_STEPS_A_PERIOD} of the motion's period "
             f"({longest:.4g} s), got {time.step:g}. Give a smaller step."
+        )
+    alone = scene.model.fluid == "openfoam" and not scene.openfoam.keep_alive
+    if time.step_tolerance is not None and alone:
+        problems.append(
+            "time.step_tolerance: takes steps of uneven lengths, which a restarted solver cannot. "
+            "Set openfoam.keep_alive = true, or leave it out."
         )
     return problems

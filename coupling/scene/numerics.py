@@ -168,6 +168,14 @@ class Time(Section):
         json_schema_extra={"instead": "the periods of a sine to simulate"},
     )
     step: float = Field(default=0.005, gt=0, description="time step [s]")
+    step_tolerance: float | None = Field(
+        default=None,
+        gt=0,
+        lt=0.1,
+        description="rms error of the diaphragm over R that a step's length may add; where it adds "
+        "more, as in slams, the step is taken in parts, down to an eighth; without it all steps "
+        "are whole unless they fail",
+    )
     output_every: int = Field(
         default=4, ge=1, le=MOST, description="number of steps between outputs"
     )

@@ -22,7 +22,7 @@ from coupling.simulation.energy import Instant, instant_of
 from coupling.simulation.sampling import at_nodes, sample_at, still
 from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
-from coupling.step.halving import Halving
+from coupling.step.halving import ErrorControl, Halving
 from coupling.store.run_record import Sample
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -49,9 +49,18 @@ class Participants:
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
-        self.halving = Halving()
+        self.halving = Halving(control=self._error_control())
         self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
+
+    def _error_control(self) -> ErrorControl | None:
+        """What bounds the error of a step, where the scene asks for it."""
+        tolerance = self.scene.time.step_tolerance
+        if tolerance is None:
+            return None
+        return ErrorControl(
+            error=lambda: self.cloth.local_error, tolerance=tolerance * self.scene.tank.shell.size
+        )
 
     def settle(self) -> None:
         """Bring the diaphragm to rest at its level. Raises ``RunFailed`` where it finds none."""
@@ -85,6 +94,7 @@ class Participants:
         self._couple(record)
         self.cloth.restore(saved["structure"])
         self.step.restore(saved)
+        self.halving.restore(saved["halving"])
 
     def _couple(self, record: Record) -> None:
         """Build the step of the settled diaphragm with its liquid."""
@@ -166,6 +176,7 @@ class Participants:
         """Everything ``restore`` needs to go on bit for bit."""
         return {
             "settled": self.settled, "structure": self.cloth.save(),
+            "halving": self.halving.save(),
         } | self.step.save()  # fmt: skip
 
     def close(self) -> None:

@@ -261,6 +261,21 @@ def test_kinematics_are_exact_for_parabolas():
     np.testing.assert_allclose(start.velocity(1.2 * one), 2.0, rtol=1e-12)
 
 
+@pytest.mark.parametrize(("dt0", "dt"), [(0.0, 0.1), (0.1, 0.1), (0.1, 0.04), (0.05, 0.1)])
+def test_local_error_is_that_of_the_implicit_formula(dt0, dt):
+    """x = t^3 (t^2 for Euler's first step), whose next velocity alone is known exactly."""
+    power = 3 if dt0 else 2
+    position, before = (np.full((1, 3), time**power) for time in (0.5, 0.5 - dt0))
+    speed, speed_before = (
+        np.full((1, 3), power * time ** (power - 1)) for time in (0.5, 0.5 - dt0)
+    )
+    kin = kinematics(dt, dt0, position, speed, before, speed_before)
+    end = 0.5 + dt
+    found = kin.position_anchor + kin.b * power * end ** (power - 1)
+    wrong = np.linalg.norm(found - end**power)
+    assert kin.local_error(found) == pytest.approx(wrong, rel=1e-9)
+
+
 def test_momentum_balance_names_the_acceleration():
     """A free particle's limit: with no tension yet, a = b + force/m on a slack, unloaded sheet."""
     sheet = Diaphragm(density=1070.0, thickness=1.778e-3, youngs_modulus=0.0)
