@@ -65,7 +65,7 @@ def test_values_go_out_and_come_back(tmp_path):
         for kind in ("point", "cell"):
             path = tmp_path / f"processor{rank}" / "constant" / "polyMesh"
             write_labels(path / f"{kind}ProcAddressing", own, binary=True)
-        # Faces counted from 1, those turned round negative; of the whole mesh the first 3 are inner.
+        # Counted from 1, negative where turned round; of the whole mesh 3 are inner.
         faces = np.array([1, -3, 5, 8] if rank == 0 else [2, 3, 7, 4, 6])
         write_labels(path / "faceProcAddressing", faces, binary=True)
     parts = decomposed(tmp_path, 2, 3)
