@@ -90,10 +90,10 @@ def test_a_step_that_fails_is_taken_in_parts(tmp_path, monkeypatch):
     wanted = run(scene_from(whole), tmp_path / "short")
     solve = OpenFoamFlow.solve
 
-    def too_long(flow, points):
+    def too_long(flow, points, motion):
         if flow.step.dt > 0.005:
             raise StepFailed("too long")
-        return solve(flow, points)
+        return solve(flow, points, motion)
 
     monkeypatch.setattr(OpenFoamFlow, "solve", too_long)
     summary = run(scene_from(SCENE), tmp_path / "parts")
@@ -113,7 +113,7 @@ def test_a_step_that_fails_is_taken_in_parts(tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("alive")
 def test_a_step_that_fails_in_all_parts_ends_the_run(tmp_path, monkeypatch):
-    def never(flow, points):
+    def never(flow, points, motion):
         raise StepFailed(f"{flow.step.dt} s is too long")
 
     monkeypatch.setattr(OpenFoamFlow, "solve", never)
