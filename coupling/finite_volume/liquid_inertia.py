@@ -15,9 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from coupling.finite_volume.geometry import CellGeometry
+from coupling.finite_volume.coarsening import Coarsening
+from coupling.finite_volume.geometry import CellGeometry, cell_geometry, face_centres_and_areas
 from coupling.finite_volume.gradients import gradients, wall_distance
 from coupling.finite_volume.laplacian import SYMMETRIC, eliminated, wall_layer, wall_source
 from coupling.finite_volume.mesh import LiquidMesh
@@ -94,35 +96,111 @@ class NeumannLaplacian:
 class LiquidInertia:
     """A liquid's inertia M_a = B^T B on its interface, at one shape of it: see the port.
 
-    ``rows`` B = L C (r, p, 3) [kg^(1/2)] on the points; ``factor`` L (r, F) [kg^(1/2)/m^2] on the
-    faces; C is the faces' swept volume per displacement. Uniform pressures are left out.
+    B = L C of the faces of the mesh that the operator is found on, the flow's own or a coarser one:
+    ``factor`` L (r, k) [kg^(1/2)/m^2]; ``swept`` C (k, 3 p) [m^2], the volumes that they sweep per
+    displacement of the points, component by component of each; ``shares`` (k, F): of the flow's
+    faces in them. Uniform pressures are left out.
     """
 
-    rows: Array
     factor: Array
+    swept: csr_array
+    shares: csr_array
 
     @classmethod
     def of(cls, laplacian: NeumannLaplacian, patch: Array, density: float) -> LiquidInertia:
-        """That on the diaphragm's points ``patch`` (p, 3) [m], where the cells are.
+        """That on the diaphragm's points, found on the flow's own mesh.
 
-        Means over the interface are removed on both sides: a uniform pressure is the volume
-        constraint's business. ``density`` [kg/m^3]. Exact factor of the discrete operator to
-        rounding.
+        Parameters
+        ----------
+        laplacian
+            Of the cells where they are.
+        patch
+            The points there (p, 3) [m].
+        density
+            Of the liquid [kg/m^3].
+
+        Returns
+        -------
+        LiquidInertia
+            Exact factor of the discrete operator to rounding.
         """
-        mesh, geometry = laplacian.mesh, laplacian.geometry
-        area = np.linalg.norm(geometry.face_area[mesh.diaphragm], axis=1)
-        mean = np.eye(len(area)) - np.outer(np.ones(len(area)), area / area.sum())
-        operator = density * mean @ laplacian.trace() @ mean.T
-        value, vector = np.linalg.eigh(0.5 * (operator + operator.T))
-        kept = value > 1e-12 * value[-1]
-        factor = (vector[:, kept] * np.sqrt(value[kept])).T  # (r, F)
-        swept = swept_rows(patch, mesh.patch_faces)
-        return cls(rows=np.tensordot(factor, swept, axes=1), factor=factor)
+        mesh = laplacian.mesh
+        area = np.linalg.norm(laplacian.geometry.face_area[mesh.diaphragm], axis=1)
+        return cls(
+            factor=_factor(density * laplacian.trace(), area),
+            swept=swept_rows(patch, mesh.patch_faces),
+            shares=csr_array(eye_array(len(area))),
+        )
+
+    @classmethod
+    def on(
+        cls, coarser: Coarsening, mesh: LiquidMesh, points: Array, density: float
+    ) -> LiquidInertia:
+        """The same, found on a coarser mesh than the flow's.
+
+        A coarse face's flux is the sum of its shares in the flow's faces, and its pressure stands
+        on all of them. Of a wave with sin^2 along one direction of square faces of width h, a share
+        of s (1 + s^2)^(1/2)/x is left of the exact inertia, x = k h/2 and s = sin x: the two-point
+        scheme has too much, the mean over a face too little. That is between 1 and 1.11 where h is
+        below .42 of the wavelength, .9 at half of it, and falls fast beyond: the coarse faces must
+        be finer than the structure's shortest waves.
+
+        Parameters
+        ----------
+        coarser
+            The coarser mesh.
+        mesh, points
+            The flow's, and where its points (P, 3) [m] are.
+        density
+            Of the liquid [kg/m^3].
+
+        Returns
+        -------
+        LiquidInertia
+            On the points of the flow's diaphragm.
+        """
+        geometry = cell_geometry(coarser.mesh, coarser.points @ points)
+        laplacian = NeumannLaplacian(coarser.mesh, geometry)
+        patch = points[mesh.patch_points]
+        normal = face_centres_and_areas(patch[mesh.patch_faces])[1]
+        # The areas are those of the flow's faces, so that a uniform lift has no inertia here too.
+        area = coarser.faces @ np.linalg.norm(normal, axis=1)
+        return cls(
+            factor=_factor(density * laplacian.trace(), area),
+            swept=csr_array(coarser.faces @ swept_rows(patch, mesh.patch_faces)),
+            shares=coarser.faces,
+        )
+
+    @property
+    def rows(self) -> Array:
+        """B (r, p, 3) [kg^(1/2)] on the points."""
+        return self.weighted((self.swept.toarray()).reshape(len(self.factor[0]), -1, 3))
+
+    def weighted(self, swept: Array) -> Array:
+        """Rows B (r, n, 3) [kg^(1/2)] of volumes (k, n, 3) [m^2] that the operator's faces sweep."""
+        return np.tensordot(self.factor, swept, 1)
 
     def force(self, acceleration: Array) -> Array:
         """M_a a (p, 3) [N] of accelerations (p, 3) [m/s^2]: what has to push the liquid."""
-        return np.tensordot(np.tensordot(self.rows, acceleration, 2), self.rows, 1)
+        return np.asarray(self.swept.T @ self._pressure(acceleration)).reshape(-1, 3)
 
     def pressure(self, acceleration: Array) -> Array:
-        """The same as pressures (F,) [Pa] on the faces."""
-        return np.asarray(self.factor.T @ np.tensordot(self.rows, acceleration, 2))
+        """The same as pressures (F,) [Pa] on the flow's faces."""
+        return np.asarray(self.shares.T @ self._pressure(acceleration))
+
+    def _pressure(self, acceleration: Array) -> Array:
+        """On the operator's faces (k,) [Pa]."""
+        flux = self.factor @ (self.swept @ acceleration.ravel())
+        return np.asarray(self.factor.T @ flux)
+
+
+def _factor(operator: Array, area: Array) -> Array:
+    """L (r, k) with L^T L = ``operator`` (k, k), means over faces of ``area`` (k,) removed.
+
+    They are removed on both sides: a uniform pressure is the volume constraint's business.
+    """
+    mean = np.eye(len(area)) - np.outer(np.ones(len(area)), area / area.sum())
+    operator = mean @ operator @ mean.T
+    value, vector = np.linalg.eigh(0.5 * (operator + operator.T))
+    kept = value > 1e-12 * value[-1]
+    return np.ascontiguousarray((vector[:, kept] * np.sqrt(value[kept])).T)

@@ -15,12 +15,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from coupling.finite_volume.blocks import lower_blocks
 from coupling.ports import Array, Ints
 
-# Corners of a hexahedron (OpenFOAM's order) and its faces, seen counter-clockwise from outside.
-_CORNERS = np.array(
-    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-)
+# Faces of a hexahedron, its corners in OpenFOAM's order, seen counter-clockwise from outside.
 _FACES = np.array(
     [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
 )
@@ -28,8 +26,6 @@ _EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
 LAYERS = 0.65  # from the cube to the shell, over n
-CUBE_SIZE = 0.4  # half the inner cube's edge over R, on its axes
-CUBE_BULGE = 0.5  # 0: a cube, 1: a sphere; between them the cells at its edges stay open
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,10 +87,8 @@ class LiquidMesh:
 
 def half_ball(cells: int) -> LiquidMesh:
     """The finest lower half of a cubed ball of at most ``cells`` cells: n even, m = 0.65 n."""
-    points, hexes = _blocks(*_divisions(cells))
-    hexes = hexes[points[hexes].mean(axis=1)[:, 2] < 0]
-    used = np.unique(hexes)
-    return assemble(points[used], np.searchsorted(used, hexes), top=-1e-9)
+    blocks = lower_blocks(*divisions(cells))
+    return assemble(blocks.points, blocks.hexes, top=-1e-9)
 
 
 def shell_shares(reach: Array, arc: Array | float) -> Array:
@@ -122,23 +116,31 @@ def shell_shares(reach: Array, arc: Array | float) -> Array:
 
 def cells_made(cells: int) -> int:
     """How many cells ``half_ball(cells)`` has."""
-    return _size(_divisions(cells)[0])
+    return _size(divisions(cells)[0])
 
 
 def cells_above(cells: int) -> int:
     """How many cells the next finer mesh than ``half_ball(cells)`` has."""
-    return _size(_divisions(cells)[0] + 2)
+    return _size(divisions(cells)[0] + 2)
 
 
 def cells_halved(cells: int) -> int:
     """Cells of the coarser half ball that comes nearest to half those of ``half_ball(cells)``."""
-    n = _divisions(cells)[0]
+    n = divisions(cells)[0]
     coarser = [_size(k) for k in range(2, n, 2)] or [_size(n)]
     return min(coarser, key=lambda size: abs(math.log(2.0 * size / _size(n))))
 
 
-def _divisions(cells: int) -> tuple[int, int]:
-    """n and m = 0.65 n of the finest mesh of at most ``cells``."""
+def cells_of_faces(faces: int) -> int:
+    """Cells of the finest half ball whose diaphragm has at most so many ``faces``, or the least."""
+    n = 2
+    while _top(n + 2) <= faces:
+        n += 2
+    return _size(n)
+
+
+def divisions(cells: int) -> tuple[int, int]:
+    """Return n and m = 0.65 n of the finest half ball of at most ``cells`` cells."""
     n = 2
     if _size(n) > cells:
         raise ValueError(f"the coarsest mesh has {_size(n)} cells, got {cells}")
@@ -150,6 +152,11 @@ def _divisions(cells: int) -> tuple[int, int]:
 def _size(n: int) -> int:
     """Cells (n^3 + 6 n^2 m) / 2 of half the wrapped cube."""
     return (n**3 + 6 * n * n * round(LAYERS * n)) // 2
+
+
+def _top(n: int) -> int:
+    """Faces n^2 + 4 n m of its diaphragm."""
+    return n * n + 4 * n * round(LAYERS * n)
 
 
 def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
@@ -194,50 +201,3 @@ def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:
         diaphragm_faces=len(patches[0]),
         hexes=hexes,
     )
-
-
-def _blocks(n: int, m: int) -> tuple[Array, Ints]:
-    """Points (P, 3) and hexahedra (c, 8) of the seven blocks, shared points merged."""
-    s = np.linspace(-1.0, 1.0, n + 1)
-    grids = [_bulge(np.stack(np.meshgrid(s, s, s, indexing="ij"), axis=-1))]
-    layers = np.linspace(0.0, 1.0, m + 1)[:, None, None, None]
-    for axis in range(3):
-        for side in (-1.0, 1.0):
-            u, v = np.meshgrid(s, s, indexing="ij")
-            plane = np.empty((n + 1, n + 1, 3))
-            first, second = (axis + 1) % 3, (axis + 2) % 3
-            plane[..., axis] = side
-            plane[..., first] = u if side > 0 else v
-            plane[..., second] = v if side > 0 else u
-            spherical = np.tan(plane * np.pi / 4)  # equiangular: even cells over the sphere
-            spherical /= np.linalg.norm(spherical, axis=-1, keepdims=True)
-            block = (1 - layers) * _bulge(plane) + layers * spherical
-            grids.append(np.moveaxis(block, 0, 2))
-    return _merge(grids)
-
-
-def _bulge(cube: Array) -> Array:
-    """Cube [-1, 1]^3 swollen towards a sphere, scaled to CUBE_SIZE on its axes."""
-    largest = np.abs(cube).max(axis=-1, keepdims=True)
-    direction = np.tan(cube * np.pi / 4)
-    length = np.linalg.norm(direction, axis=-1, keepdims=True)
-    sphere = direction / np.where(length > 0, length, 1.0) * largest
-    return np.asarray(CUBE_SIZE * ((1 - CUBE_BULGE) * cube + CUBE_BULGE * sphere))
-
-
-def _merge(grids: list[Array]) -> tuple[Array, Ints]:
-    """Points shared between blocks made one."""
-    flat = np.concatenate([g.reshape(-1, 3) for g in grids])
-    rounded = np.round(flat, 9) + 0.0
-    _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-    points, inverse = flat[first], inverse.ravel()
-    points[np.abs(points[:, 2]) < 1e-9, 2] = 0.0
-    hexes, start = [], 0
-    for grid in grids:
-        shape = np.array(grid.shape[:3])
-        ids = inverse[start : start + shape.prod()].reshape(shape)
-        start += shape.prod()
-        cells = np.stack(np.meshgrid(*(np.arange(k) for k in shape - 1), indexing="ij"), -1)
-        corner = cells.reshape(-1, 1, 3) + _CORNERS
-        hexes.append(ids[corner[..., 0], corner[..., 1], corner[..., 2]])
-    return points, np.concatenate(hexes)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from coupling.ports import Array, Ints
 
@@ -44,7 +45,7 @@ def swept_gradient(corner: Array) -> Array:
     return np.asarray((area + np.roll(area, 1, axis=1) + apex) / 3.0)
 
 
-def swept_rows(points: Array, faces: Ints) -> Array:
+def swept_rows(points: Array, faces: Ints) -> csr_array:
     """Return the volume C that every face sweeps per displacement of the points.
 
     Parameters
@@ -56,12 +57,13 @@ def swept_rows(points: Array, faces: Ints) -> Array:
 
     Returns
     -------
-    Array
-        C (F, p, 3) [m^2], dense; see ``swept_gradient``.
+    csr_array
+        C (F, 3 p) [m^2], x, y and z of each point in turn; see ``swept_gradient``.
     """
-    rows = np.zeros((len(faces), len(points), 3))
-    np.add.at(rows, (np.arange(len(faces))[:, None], faces), swept_gradient(points[faces]))
-    return rows
+    columns = (3 * faces[:, :, None] + np.arange(3)).reshape(len(faces), -1)
+    starts = np.arange(len(faces) + 1) * columns.shape[1]
+    entries = swept_gradient(points[faces]).ravel(), columns.ravel(), starts
+    return csr_array(entries, shape=(len(faces), points.size))
 
 
 def pressure_force(points: Array, faces: Ints, pressure: Array) -> Array:

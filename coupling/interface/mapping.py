@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from cloth.compiled import compiled
@@ -45,8 +46,8 @@ class StepMap(Protocol):
     def to_cloth(self, force: Array) -> Array:
         """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
 
-    def rows_to_cloth(self, rows: Array) -> Array:
-        """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
+    def rows_to_cloth(self, rows: csr_array) -> Array:
+        """Rows (r, n, 3) on cloth nodes of sparse rows (r, 3 p) on flow points."""
 
 
 class InterfaceMap(Protocol):
@@ -82,9 +83,9 @@ class Matching:
         """Return the forces themselves (p, 3) [N]."""
         return force
 
-    def rows_to_cloth(self, rows: Array) -> Array:
-        """Return the rows themselves (r, p, 3)."""
-        return rows
+    def rows_to_cloth(self, rows: csr_array) -> Array:
+        """Return the rows themselves (r, p, 3), dense."""
+        return rows.toarray().reshape(rows.shape[0], -1, 3)
 
     def save(self) -> dict[str, Array]:
         """Return no arrays: the map keeps no state."""

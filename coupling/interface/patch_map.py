@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from coupling.finite_volume.swept import cross, swept_gradient
 from coupling.interface.mapping import Support, moving_least_squares
@@ -38,10 +39,9 @@ class Lift:
         missed = np.einsum("nx,nx->n", self.missed, displacement)
         return np.asarray((self.shares.T @ missed) / self.opened)
 
-    def transpose(self, rows: Array) -> Array:
-        """Rows (r, n, 3) on the nodes of rows (r, p, 3) on the points."""
-        pressure = np.einsum("rpx,px->rp", rows, self.way) / self.opened
-        return np.asarray((pressure @ self.shares.T)[:, :, None] * self.missed)
+    def transpose(self, rise: Array | csr_array) -> Array:
+        """Rows (r, n, 3) on the nodes of rows (r, p) on the heights."""
+        return np.asarray((rise @ (self.shares / self.opened).T)[:, :, None] * self.missed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,14 +72,17 @@ class PatchMap:
 
     def to_cloth(self, force: Array) -> Array:
         """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
-        nodal: Array = self.rows_to_cloth(force[None])[0]
-        return nodal
+        nodal: Array = self.weights.T @ force
+        rise = np.einsum("px,px->p", force, self.lift.way)
+        return nodal + self.lift.transpose(rise[None])[0]
 
-    def rows_to_cloth(self, rows: Array) -> Array:
-        """Rows (r, n, 3) on cloth nodes of rows (r, p, 3) on flow points."""
-        flat = rows.transpose(1, 0, 2).reshape(len(self.weights), -1)  # one large product
-        through = (self.weights.T @ flat).reshape(-1, len(rows), 3).transpose(1, 0, 2)
-        return np.ascontiguousarray(through + self.lift.transpose(rows))
+    def rows_to_cloth(self, rows: csr_array) -> Array:
+        """Rows (r, n, 3) on cloth nodes of sparse rows (r, 3 p) on flow points."""
+        parts = [csr_array(rows[:, axis::3]) for axis in range(3)]
+        ways = zip(parts, self.lift.way.T, strict=True)
+        rise = csr_array(sum(part.multiply(way) for part, way in ways))
+        through = np.stack([part @ self.weights for part in parts], axis=2)
+        return np.asarray(through + self.lift.transpose(rise))
 
     def to_nodes(self, values: Array) -> Array:
         """Values (n,) at the nodes of ``values`` (F,) on the patch's faces.

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from scipy.sparse import csr_array
+
 from coupling.ports.arrays import AnyArray, Array, Ints
 
 
@@ -80,11 +82,17 @@ class InterfaceMotion:
 
 
 class LiquidInertia(Protocol):
-    """A liquid's inertia M_a = B^T B on its interface, at one shape of it."""
+    """A liquid's inertia M_a = B^T B on its interface, at one shape of it.
+
+    B are combinations of the volumes that some faces sweep, without uniform pressures.
+    """
 
     @property
-    def rows(self) -> Array:
-        """B (r, p, 3) [kg^(1/2)] on the interface's points, without uniform pressures."""
+    def swept(self) -> csr_array:
+        """Volumes (k, 3 p) [m^2] that k faces sweep per displacement of the interface's points."""
+
+    def weighted(self, swept: Array) -> Array:
+        """B (r, n, 3) [kg^(1/2)] of volumes (k, n, 3) [m^2] that those faces sweep."""
 
     def force(self, acceleration: Array) -> Array:
         """M_a a (p, 3) [N] of accelerations (p, 3) [m/s^2]: what has to push the liquid."""

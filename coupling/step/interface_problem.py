@@ -98,7 +98,7 @@ class InterfaceProblem:
             with self.watch.timed("fluid"):
                 inertia = self.flow.liquid_inertia(ahead)
             with self.watch.timed("mapping"):
-                rows = step_map.rows_to_cloth(inertia.rows)
+                rows = inertia.weighted(step_map.rows_to_cloth(inertia.swept))
         with self.watch.timed("structure"):
             self.structure.begin_step(request.dt, request.load, rows)
         self._step = InterfaceStep(

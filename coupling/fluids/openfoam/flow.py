@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from coupling.finite_volume.coarsening import Coarsening
 from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.gradients import wall_pressure
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
@@ -38,7 +39,8 @@ class OpenFoamFlow:
     """The liquid on a mesh, in an OpenFOAM case in ``folder``.
 
     ``density`` [kg/m^3], ``viscosity`` [m^2/s], ``timeout`` [s] of one solver call; the tank's
-    ``shell``. Nothing is written before ``start`` or ``restore``.
+    ``shell``. The liquid's inertia is found on the mesh of ``coarser``, by default on its own.
+    Nothing is written before ``start`` or ``restore``.
     """
 
     def __init__(
@@ -51,9 +53,11 @@ class OpenFoamFlow:
         density: float,
         viscosity: float,
         timeout: float,
+        coarser: Coarsening | None = None,
         settings: FlowSettings | None = None,
     ) -> None:
         self.settings = settings or FlowSettings()
+        self._coarser = coarser
         self.mesh = mesh
         self.case = case_of(folder, mesh, openfoam=openfoam, timeout=timeout)
         self.density, self.viscosity = density, viscosity
@@ -185,6 +189,9 @@ class OpenFoamFlow:
     def liquid_inertia(self, points: Array) -> LiquidInertia:
         """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
         self._following.follow(points, self.step.moment)
+        if self._coarser is not None:
+            now = self._following.now.points
+            return LiquidInertia.on(self._coarser, self.mesh, now, self.density)
         laplacian = NeumannLaplacian(self.mesh, self._following.now.geometry)
         return LiquidInertia.of(laplacian, points, self.density)
 

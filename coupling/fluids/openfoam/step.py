@@ -9,6 +9,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from coupling.finite_volume.coarsening import coarser_for
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.model import Record
 from coupling.fluids.openfoam.flow import OpenFoamFlow
@@ -49,6 +50,7 @@ def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow,
         density=scene.liquid.density,
         viscosity=scene.liquid.viscosity,
         timeout=scene.openfoam.timeout,
+        coarser=coarser_for(mesh, len(cloth.reference)),
     )
     return flow, mapping
 

@@ -95,7 +95,7 @@ def test_force_is_the_pressure_on_what_the_faces_sweep(level):
     inertia = LiquidInertia.of(NeumannLaplacian(mesh, geometry), patch, DENSITY)
     acceleration = np.random.default_rng(1).normal(size=patch.shape)
     swept = swept_rows(patch, mesh.patch_faces)
-    wanted = np.tensordot(inertia.pressure(acceleration), swept, 1)
+    wanted = (swept.T @ inertia.pressure(acceleration)).reshape(-1, 3)
     force = inertia.force(acceleration)
     assert np.abs(force - wanted).max() < 1e-12 * np.abs(wanted).max()  # the same sums, reordered
     assert np.vdot(force, acceleration) > 0.0

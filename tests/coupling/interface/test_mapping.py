@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import null_space
+from scipy.sparse import csr_array
 
 from cloth.mesh import hemisphere
 from coupling.finite_volume.mesh import half_ball
@@ -99,5 +100,5 @@ def test_matching_changes_nothing():
     assert matching.shell is None
     assert matching.to_flow(values) is values
     assert matching.to_cloth(values) is values
-    assert (matching.rows_to_cloth(values[None]) == values).all()
+    assert (matching.rows_to_cloth(csr_array(values.reshape(1, -1))) == values).all()
     assert matching.save() == {}
