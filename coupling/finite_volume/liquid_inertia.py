@@ -177,7 +177,7 @@ class LiquidInertia:
         return self.weighted((self.swept.toarray()).reshape(len(self.factor[0]), -1, 3))
 
     def weighted(self, swept: Array) -> Array:
-        """Rows B (r, n, 3) [kg^(1/2)] of volumes (k, n, 3) [m^2] that the operator's faces sweep."""
+        """B (r, n, 3) [kg^(1/2)] of volumes (k, n, 3) [m^2] that the operator's faces sweep."""
         return np.tensordot(self.factor, swept, 1)
 
     def force(self, acceleration: Array) -> Array:

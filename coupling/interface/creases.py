@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cloth.compiled import compiled
 from coupling.finite_volume.swept import cross
@@ -56,3 +57,9 @@ def give_way(values: Array, at: Ints, share: Array, starts: Ints, others: Ints) 
     for a in range(len(at)):
         for k in range(values.shape[1]):
             values[at[a], k] = moved[a, k] + (1.0 - share[at[a]]) * values[at[a], k]
+
+
+def means(points: Ints, others: Ints, count: int) -> csr_array:
+    """Return the matrix (count, k) that gives each of ``points`` the mean over its ``others``."""
+    share = 1.0 / np.bincount(points, minlength=count)[points]
+    return csr_array((share, (points, others)))

@@ -22,17 +22,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.sparse import csr_array
 
 from coupling.finite_volume.geometry import face_centres_and_areas, fan_volume
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.interface.contact_curve import ContactSearch, FreePart
-from coupling.interface.creases import give_way, least_sine
+from coupling.interface.creases import give_way, least_sine, means
 from coupling.interface.liquid_shape import volume_below
-from coupling.interface.mapping import Support, moving_least_squares, moving_quadratics
 from coupling.interface.patch_map import Lift, PatchMap, node_area, patch_area
 from coupling.interface.shell_arcs import ShellArcs, pool_middle
-from coupling.ports import Array, Ints, Shell, Structure, StructureState
+from coupling.interface.weights import Sources, Support, moving_least_squares, moving_quadratics
+from coupling.ports import Array, Shell, Structure, StructureState
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +89,7 @@ class FreePatch:
     ) -> None:
         self.settings = settings or PatchSettings()
         self.mesh, self.shell = mesh, shell
-        self._triangles, self._moulded = sheet.triangles, moulded
+        self._triangles, self._nodes = sheet.triangles, Sources(moulded)
         self._search = ContactSearch(moulded, sheet.triangles, sheet.fixed, shell)
         disc = mesh.points[mesh.patch_points]
         self._reach = np.linalg.norm(disc[:, :2], axis=1)
@@ -99,7 +98,7 @@ class FreePatch:
         self._rim = rim[np.argsort(self._azimuth[rim])]
         self._arcs = ShellArcs(mesh, self._rim, self._azimuth[self._rim])
         faces, count = mesh.patch_faces, len(disc)
-        self._around = _means(faces.ravel(), np.repeat(np.arange(len(faces)), 4), count)
+        self._around = means(faces.ravel(), np.repeat(np.arange(len(faces)), 4), count)
         edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
         edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
         self._others = np.searchsorted(edges[:, 0], np.arange(count + 1)), edges[:, 1]
@@ -137,7 +136,7 @@ class FreePatch:
             offset=points - weights @ nodes,
             lift=self._lift(nodes, points, shell, weights, moulded, free),
             face_directions=faces / np.linalg.norm(faces, axis=1)[:, None],
-            node_directions=free.within(self._moulded, s.inset),
+            node_directions=free.within(self._nodes.points, s.inset),
             support=s.linear,
         )
         return self.map
@@ -160,10 +159,11 @@ class FreePatch:
     def _weights(self, moulded: Array, nodes: Array) -> Array:
         """Weights (p, n) of the points ``moulded`` (p, 3) on a sheet at ``nodes`` (n, 3) [m]."""
         s = self.settings
-        weights = moving_quadratics(self._moulded, moulded, s.quadratic)
+        beside = self._nodes.beside(moulded, s.quadratic, s.linear)
+        weights = moving_quadratics(beside, s.quadratic)
         flat = (self._flatness(weights @ nodes) - s.flat) / (s.smooth - s.flat)
         sharp = np.where(self._inside, np.clip(flat, 0.0, 1.0), 0.0)
-        plain = moving_least_squares(self._moulded, moulded, s.linear)
+        plain = moving_least_squares(beside, s.linear)
         return np.asarray(plain + sharp[:, None] * (weights - plain))
 
     def _round(self, points: Array, weights: Array) -> None:
@@ -226,6 +226,8 @@ class FreePatch:
         way = area.copy()
         way[self._rim] = points[self._rim] - shell[self._arcs.below]
         way /= np.linalg.norm(way, axis=1)[:, None]
+        linear = self.settings.linear
+        within = Sources(moulded).beside(free.within(self._nodes.points, 1.0), linear)
         size = np.linalg.norm(area, axis=1)
         flattest = self.settings.steep * size
         flattest[inside] = self.settings.smallest * np.median(size[inside])
@@ -233,18 +235,10 @@ class FreePatch:
             way=way,
             opened=np.maximum(np.einsum("px,px->p", area, way), flattest),
             missed=node_area(nodes, self._triangles) - weights.T @ area,
-            shares=moving_least_squares(
-                moulded, free.within(self._moulded, 1.0), self.settings.linear
-            ),
+            shares=moving_least_squares(within, linear),
         )
 
     def to_nodes(self, values: Array) -> Array:
         """Values (n,) at the nodes of ``values`` (F,) on the patch's faces, in the last map."""
         assert self.map is not None, "begin_step comes first"
         return self.map.to_nodes(values)
-
-
-def _means(points: Ints, others: Ints, count: int) -> csr_array:
-    """Matrix (count, k) that gives every one of ``points`` the mean over its ``others``."""
-    share = 1.0 / np.bincount(points, minlength=count)[points]
-    return csr_array((share, (points, others)))

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from coupling.finite_volume.swept import cross, swept_gradient
-from coupling.interface.mapping import Support, moving_least_squares
+from coupling.interface.weights import Sources, Support, moving_least_squares
 from coupling.ports import Array, Ints
 
 
@@ -72,9 +72,9 @@ class PatchMap:
 
     def to_cloth(self, force: Array) -> Array:
         """Nodal forces (n, 3) [N] of forces on flow points (p, 3) [N]."""
-        nodal: Array = self.weights.T @ force
+        nodal = self.weights.T @ force
         rise = np.einsum("px,px->p", force, self.lift.way)
-        return nodal + self.lift.transpose(rise[None])[0]
+        return np.asarray(nodal + self.lift.transpose(rise[None])[0])
 
     def rows_to_cloth(self, rows: csr_array) -> Array:
         """Rows (r, n, 3) on cloth nodes of sparse rows (r, 3 p) on flow points."""
@@ -93,7 +93,9 @@ class PatchMap:
 
     @cached_property
     def _node_weights(self) -> Array:
-        return moving_least_squares(self.face_directions, self.node_directions, self.support)
+        return moving_least_squares(
+            Sources(self.face_directions).beside(self.node_directions, self.support), self.support
+        )
 
 
 def patch_area(points: Array, faces: Ints) -> Array:
