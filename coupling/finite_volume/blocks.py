@@ -1,8 +1,8 @@
 """The seven blocks of a cubed ball, and what of them lies in its lower half.
 
 A cube of n^3 cells, slightly swollen, is wrapped in six blocks of n^2 m cells that reach to the
-sphere. In every block the points are those of one smooth map of the unit cube, whatever n and m:
-meshes of different sizes are samples of the same map.
+sphere. In every block the points are those of one map of the unit cube, whatever n and m: meshes of
+different sizes are samples of the same map. It is continuous, with a kink on the cube's diagonals.
 """
 
 from __future__ import annotations

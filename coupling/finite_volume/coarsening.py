@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array, csr_array, kron
 
-from coupling.finite_volume.blocks import lower_blocks
-from coupling.finite_volume.mesh import LiquidMesh, cells_of_faces, divisions, half_ball
+from coupling.finite_volume.blocks import Blocks, lower_blocks
+from coupling.finite_volume.mesh import LiquidMesh, cells_of, cells_of_faces, divisions, half_ball
 from coupling.ports import Ints
 
 
@@ -23,7 +23,8 @@ class Coarsening:
 
     ``points`` (P', P): trilinear interpolation of the finer mesh's points, P' being those of
     ``mesh``; rows sum to 1. ``faces`` (F', F): share of every face of the finer diaphragm in those
-    of ``mesh``, by the overlap in the blocks; columns sum to 1, so that volumes are kept.
+    of ``mesh``, by the overlap in the blocks to second order; columns sum to 1, so that volumes are
+    kept.
     """
 
     mesh: LiquidMesh
@@ -51,9 +52,55 @@ def coarsening(fine: LiquidMesh, cells: int) -> Coarsening:
     if len(above.hexes) != fine.cells or mesh.cells > fine.cells:
         raise ValueError(f"no coarsening of a mesh of {fine.cells} cells to one of {mesh.cells}")
     points = _joined(zip(below.grids, above.grids, strict=True), _interpolation)
-    cells_within = _joined(zip(below.cells, above.cells, strict=True), _overlap)
-    top, fine_top = mesh.owner[mesh.diaphragm], fine.owner[fine.diaphragm]
-    return Coarsening(mesh=mesh, points=points, faces=csr_array(cells_within[top][:, fine_top]))
+    faces = _joined(zip(_tops(mesh, below), _tops(fine, above), strict=True), _overlap)
+    return Coarsening(mesh=mesh, points=points, faces=faces)
+
+
+def _tops(mesh: LiquidMesh, blocks: Blocks) -> list[Ints]:
+    """Faces of the diaphragm (i, j, k) in each of the blocks that have some, one cell thick."""
+    face = np.full(mesh.cells + 1, -1)
+    face[mesh.owner[mesh.diaphragm]] = np.arange(mesh.diaphragm_faces)
+    grids = [face[cells] for cells in blocks.cells]
+    places = [np.unique(np.argwhere(grid >= 0), axis=0) for grid in grids]
+    return [
+        grid[np.ix_(*(np.unique(place) for place in at.T))]
+        for grid, at in zip(grids, places, strict=True)
+        if len(at)
+    ]
+
+
+def prolongations(mesh: LiquidMesh, within: Ints, least: int) -> list[csr_array]:
+    """Return the interpolations to a half ball from coarser ones, each from half as many cells.
+
+    Parameters
+    ----------
+    mesh
+        The half ball; of any other mesh there are none.
+    within
+        Its points inside (k,), sorted.
+    least
+        Points inside of the coarsest one, about: there is none below so many.
+
+    Returns
+    -------
+    list of csr_array
+        Trilinear interpolation (k, k') from the next coarser mesh's points inside, zero on the
+        boundary, from the finest to the coarsest.
+    """
+    found: list[csr_array] = []
+    n = divisions(mesh.cells)[0]
+    blocks = lower_blocks(*divisions(mesh.cells))
+    if not np.array_equal(blocks.points, mesh.points):
+        return found
+    while len(within) > least and n > 2:
+        n = max(2, 2 * round(n / 4))
+        coarser = half_ball(cells_of(n))
+        below = lower_blocks(*divisions(coarser.cells))
+        inside = np.setdiff1d(np.arange(len(below.points)), coarser.faces[coarser.inner_faces :])
+        line = _joined(zip(blocks.grids, below.grids, strict=True), _interpolation)
+        found.append(csr_array(line[within][:, inside]))
+        blocks, within = below, inside
+    return found
 
 
 def _joined(
@@ -93,11 +140,15 @@ def _interpolation(coarse: int, fine: int) -> csr_array:
 def _overlap(coarse: int, fine: int) -> csr_array:
     """Shares (coarse, fine) of intervals of the second division of a length in those of the first.
 
-    Both divisions are even.
+    Both divisions are even. What the finer intervals hold is taken to vary linearly along each, as
+    from the one before it to the one behind it: spread evenly, short waves would fade.
     """
-    starts, ends = np.arange(fine) / fine, np.arange(1, fine + 1) / fine
-    edges = np.arange(coarse + 1)[:, None] / coarse
-    common = np.minimum(edges[1:], ends) - np.maximum(edges[:-1], starts)
-    shares = np.maximum(common * fine, 0.0)
-    shares[shares < 1e-9] = 0.0  # rounding of edges that coincide
-    return csr_array(shares / shares.sum(axis=0))
+    edges = np.arange(coarse + 1)[:, None] * fine / coarse  # in finer intervals
+    centre = np.arange(fine) + 0.5
+    start, end = (np.clip(edge - centre, -0.5, 0.5) for edge in (edges[:-1], edges[1:]))
+    slope = 0.5 * (np.eye(fine, k=1) - np.eye(fine, k=-1))
+    slope[[0, -1]] *= 2.0
+    slope[[0, -1], [0, -1]] = -1.0, 1.0
+    shares = end - start + 0.5 * (end**2 - start**2) @ (slope if fine > 1 else np.zeros((1, 1)))
+    shares[np.abs(shares) < 1e-12] = 0.0  # rounding of edges that coincide
+    return csr_array(shares)

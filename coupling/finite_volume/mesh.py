@@ -116,19 +116,19 @@ def shell_shares(reach: Array, arc: Array | float) -> Array:
 
 def cells_made(cells: int) -> int:
     """How many cells ``half_ball(cells)`` has."""
-    return _size(divisions(cells)[0])
+    return cells_of(divisions(cells)[0])
 
 
 def cells_above(cells: int) -> int:
     """How many cells the next finer mesh than ``half_ball(cells)`` has."""
-    return _size(divisions(cells)[0] + 2)
+    return cells_of(divisions(cells)[0] + 2)
 
 
 def cells_halved(cells: int) -> int:
     """Cells of the coarser half ball that comes nearest to half those of ``half_ball(cells)``."""
     n = divisions(cells)[0]
-    coarser = [_size(k) for k in range(2, n, 2)] or [_size(n)]
-    return min(coarser, key=lambda size: abs(math.log(2.0 * size / _size(n))))
+    coarser = [cells_of(k) for k in range(2, n, 2)] or [cells_of(n)]
+    return min(coarser, key=lambda size: abs(math.log(2.0 * size / cells_of(n))))
 
 
 def cells_of_faces(faces: int) -> int:
@@ -136,21 +136,21 @@ def cells_of_faces(faces: int) -> int:
     n = 2
     while _top(n + 2) <= faces:
         n += 2
-    return _size(n)
+    return cells_of(n)
 
 
 def divisions(cells: int) -> tuple[int, int]:
     """Return n and m = 0.65 n of the finest half ball of at most ``cells`` cells."""
     n = 2
-    if _size(n) > cells:
-        raise ValueError(f"the coarsest mesh has {_size(n)} cells, got {cells}")
-    while _size(n + 2) <= cells:
+    if cells_of(n) > cells:
+        raise ValueError(f"the coarsest mesh has {cells_of(n)} cells, got {cells}")
+    while cells_of(n + 2) <= cells:
         n += 2
     return n, round(LAYERS * n)
 
 
-def _size(n: int) -> int:
-    """Cells (n^3 + 6 n^2 m) / 2 of half the wrapped cube."""
+def cells_of(n: int) -> int:
+    """Return the cells (n^3 + 6 n^2 m) / 2 of half the wrapped cube."""
     return (n**3 + 6 * n * n * round(LAYERS * n)) // 2
 
 
