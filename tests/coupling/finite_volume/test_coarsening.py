@@ -1,9 +1,11 @@
 """What a coarser half ball takes over from a finer one, and the inertia found on it."""
 
+import math
+
 import numpy as np
 import pytest
 
-from coupling.finite_volume.coarsening import coarsening, coarser_for, prolongations
+from coupling.finite_volume.coarsening import FACES, coarsening, coarser_for, prolongations
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import cells_of, cells_of_faces, half_ball
@@ -56,11 +58,15 @@ def test_faces_keep_every_volume(fine):
     assert np.linalg.norm(share @ finer - centre, axis=1).max() < 0.02
 
 
-def test_only_a_finer_half_ball_is_made_coarser(fine):
-    assert coarser_for(fine, fine.diaphragm_faces) is None
-    found = coarser_for(fine, fine.diaphragm_faces - 1)
+def test_only_a_mesh_finer_than_the_structure_is_made_coarser(fine):
+    nodes = math.ceil(fine.diaphragm_faces / FACES)
+    assert coarser_for(fine, nodes) is None
+    found = coarser_for(fine, nodes - 1)
     assert found is not None
-    assert found.mesh.diaphragm_faces == half_ball(cells_of(6)).diaphragm_faces
+    assert found.mesh.cells == cells_of(6)
+
+
+def test_what_is_no_coarser_half_ball_is_refused(fine):
     assert cells_of_faces(1) == cells_of(2)
     with pytest.raises(ValueError, match="no coarsening of a mesh of 1216 cells to one of 2300"):
         coarsening(fine, cells_of(10))
