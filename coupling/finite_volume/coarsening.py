@@ -6,7 +6,6 @@ its place among those of another by counting alone, wherever the points have mov
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -14,16 +13,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, kron
 
 from coupling.finite_volume.blocks import Blocks, lower_blocks
-from coupling.finite_volume.mesh import LiquidMesh, cells_of, cells_of_faces, divisions, half_ball
+from coupling.finite_volume.mesh import LiquidMesh, cells_for_nodes, cells_of, divisions, half_ball
 from coupling.ports import Ints
-
-# Faces of the diaphragm to a node of the structure, of the mesh that the liquid's inertia is found
-# on: about as many as nodes are free of the shell, which makes faces finer than the shortest waves.
-# With 592 nodes, of which 324 are free (fill fraction 0.8) or 428 (0.3), on a flow of 6,664 cells,
-# the largest part that an iteration leaves of any motion, stiffness apart, is .35 or .61 with 340
-# faces (.57 to a node), 1.6 or 1.7 with 224 and .20 or .22 with 528. It is found in eight times the
-# time of 224, and a fifth of that of 528.
-FACES = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,13 +33,12 @@ class Coarsening:
 
 
 def coarser_for(mesh: LiquidMesh, nodes: int) -> Coarsening | None:
-    """Return the coarsening of the half ball ``mesh`` for a structure of so many ``nodes``.
+    """Return the coarsening of the half ball ``mesh`` that is as fine as a structure of ``nodes``.
 
-    The finest with at most ``FACES`` faces on the diaphragm to a node; None where ``mesh`` itself
-    has no more.
+    See ``cells_for_nodes``; None where ``mesh`` itself is no finer.
     """
-    most = math.floor(FACES * nodes)
-    return None if mesh.diaphragm_faces <= most else coarsening(mesh, cells_of_faces(most))
+    cells = cells_for_nodes(nodes)
+    return None if mesh.cells <= cells else coarsening(mesh, cells)
 
 
 def coarsening(fine: LiquidMesh, cells: int) -> Coarsening:

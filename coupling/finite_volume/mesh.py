@@ -26,6 +26,13 @@ _EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
 LAYERS = 0.65  # from the cube to the shell, over n
+# Faces on the diaphragm to a node of the structure, with which a mesh holds the inertia of all its
+# waves: about as many as nodes are free of the shell. With 592 nodes, of which 324 are free (fill
+# fraction 0.8) or 428 (0.3), on a flow of 6,664 cells, the largest part that an iteration leaves of
+# any motion, stiffness apart, is .35 or .61 with 340 faces, 1.6 or 1.7 with 224, .20 or .22 with
+# 528; and a flow of 4,320 cells took as many iterations as with its own 528, 1.90 of 20 steps, with
+# 340 and 2.00 with 224.
+FACES = 0.55
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,10 +138,13 @@ def cells_halved(cells: int) -> int:
     return min(coarser, key=lambda size: abs(math.log(2.0 * size / cells_of(n))))
 
 
-def cells_of_faces(faces: int) -> int:
-    """Cells of the finest half ball whose diaphragm has at most so many ``faces``, or the least."""
+def cells_for_nodes(nodes: int) -> int:
+    """Cells of the coarsest half ball that is as fine as a structure of so many ``nodes``.
+
+    Its diaphragm has ``FACES`` faces to a node at least.
+    """
     n = 2
-    while _top(n + 2) <= faces:
+    while _top(n) < FACES * nodes:
         n += 2
     return cells_of(n)
 

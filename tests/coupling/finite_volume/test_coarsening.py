@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from coupling.finite_volume.coarsening import FACES, coarsening, coarser_for, prolongations
+from coupling.finite_volume.coarsening import coarsening, coarser_for, prolongations
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
-from coupling.finite_volume.mesh import cells_of, cells_of_faces, half_ball
+from coupling.finite_volume.mesh import FACES, cells_for_nodes, cells_of, half_ball
 from coupling.verify.prism import prism_mesh
 
 DENSITY = 1000.0
@@ -59,15 +59,17 @@ def test_faces_keep_every_volume(fine):
 
 
 def test_only_a_mesh_finer_than_the_structure_is_made_coarser(fine):
-    nodes = math.ceil(fine.diaphragm_faces / FACES)
+    nodes = math.floor(fine.diaphragm_faces / FACES)
+    assert cells_for_nodes(nodes) == fine.cells
     assert coarser_for(fine, nodes) is None
-    found = coarser_for(fine, nodes - 1)
+    nodes = math.floor(half_ball(cells_of(6)).diaphragm_faces / FACES)
+    found = coarser_for(fine, nodes)
     assert found is not None
     assert found.mesh.cells == cells_of(6)
+    assert coarser_for(fine, nodes + 2) is None
 
 
 def test_what_is_no_coarser_half_ball_is_refused(fine):
-    assert cells_of_faces(1) == cells_of(2)
     with pytest.raises(ValueError, match="no coarsening of a mesh of 1216 cells to one of 2300"):
         coarsening(fine, cells_of(10))
     with pytest.raises(ValueError, match="no coarsening"):
