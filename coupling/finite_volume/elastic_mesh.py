@@ -15,6 +15,7 @@ import math
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
+from cloth.compiled import compiled
 from coupling.finite_volume.coarsening import prolongations
 from coupling.finite_volume.corner_energy import FLATTEST, corner_energy
 from coupling.finite_volume.mesh import LiquidMesh
@@ -202,15 +203,23 @@ class ElasticMesh:
         q, shares = force.copy(), []
         for step, change, curvature in reversed(pairs):
             share = float(np.vdot(step, q)) / curvature
-            q -= share * change
+            add_scaled(q, -share, change)
             shares.append(share)
         direction = self._laplacian.cycle(q)
         if pairs:
             step, change, curvature = pairs[-1]
             direction *= curvature / float(np.vdot(change, self._laplacian.cycle(change)))
         for (step, change, curvature), share in zip(pairs, reversed(shares), strict=True):
-            direction += step * (share - float(np.vdot(change, direction)) / curvature)
-        return np.asarray(-direction)
+            add_scaled(direction, share - float(np.vdot(change, direction)) / curvature, step)
+        return np.negative(direction, out=direction)
+
+
+@compiled
+def add_scaled(target: Array, factor: float, values: Array) -> None:
+    """Add ``factor`` times ``values`` (n, 3) to ``target`` (n, 3) in place, without a new array."""
+    for i in range(target.shape[0]):
+        for d in range(3):
+            target[i, d] += factor * values[i, d]
 
 
 # The three neighbours of every corner of a hexahedron, right-handed.
