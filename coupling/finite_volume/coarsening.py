@@ -69,7 +69,7 @@ def _tops(mesh: LiquidMesh, blocks: Blocks) -> list[Ints]:
 
 
 def prolongations(mesh: LiquidMesh, within: Ints, least: int) -> list[csr_array]:
-    """Return the interpolations to a half ball from coarser ones, each from half as many cells.
+    """Return the interpolations to a half ball from coarser ones, each of half the divisions.
 
     Parameters
     ----------
@@ -87,8 +87,10 @@ def prolongations(mesh: LiquidMesh, within: Ints, least: int) -> list[csr_array]
         boundary, from the finest to the coarsest.
     """
     found: list[csr_array] = []
-    n = divisions(mesh.cells)[0]
-    blocks = lower_blocks(*divisions(mesh.cells))
+    if len(within) <= least:
+        return found
+    n, layers = divisions(mesh.cells)
+    blocks = lower_blocks(n, layers)
     if not np.array_equal(blocks.points, mesh.points):
         return found
     while len(within) > least and n > 2:

@@ -10,7 +10,7 @@ from cloth.shell.sphere import Sphere, level_of_fill_fraction
 from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.geometry import face_centres_and_areas
 from coupling.finite_volume.mesh import half_ball
-from coupling.finite_volume.swept import cross, pressure_force, swept_gradient
+from coupling.finite_volume.swept import cross, pressure_force, swept_gradient, swept_rows
 from coupling.interface.creases import give_way, least_sine
 from coupling.interface.free_patch import FreePatch, PatchSettings
 from coupling.interface.liquid_shape import volume_below
@@ -109,6 +109,16 @@ def own_area(sheet, position):
     own = np.zeros_like(position)
     np.add.at(own, sheet.triangles, (cross(b - a, c - a) / 6.0)[:, None])
     return own
+
+
+def test_sparse_rows_are_mapped_as_forces_are(mesh, fitted):
+    mapping, _, patch, _ = fitted
+    rows = swept_rows(patch, mesh.patch_faces)
+    mapped = mapping.map.rows_to_cloth(rows)
+    for face in range(0, len(mesh.patch_faces), 20):
+        force = rows[[face]].toarray().reshape(-1, 3)
+        wanted = mapping.map.to_cloth(force)
+        assert mapped[face] == pytest.approx(wanted, abs=1e-13 * np.abs(mapped).max())
 
 
 def test_a_uniform_pressure_bears_on_every_nodes_own_area(sheet, mesh, fitted):

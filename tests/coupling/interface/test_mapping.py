@@ -1,5 +1,7 @@
 """Linear maps between cloth and flow: what they must reproduce whatever the meshes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import null_space
@@ -83,6 +85,18 @@ def test_quadratics_in_the_tangent_plane_are_reproduced_where_asked(pair):
             assert abs(row @ values) < 1e-10
         assert averages @ (x * x + y * y) > 1e-3  # a mean over the support
     assert weights.sum(axis=1) == pytest.approx(np.ones(len(target)), abs=1e-12)
+
+
+@pytest.mark.parametrize("weights", [moving_least_squares, moving_quadratics])
+def test_no_source_within_a_support_is_missed(pair, weights):
+    """Rows from as many sources as are looked for at first, and from all that a support allows."""
+    cloth, target, _ = pair
+    few = Sources(cloth.points).beside(target, WIDE)
+    distance = np.linalg.norm(cloth.points - target[:, None], axis=2)
+    near = np.argsort(distance, axis=1)[:, : WIDE.most]
+    every = replace(few, near=near, distance=np.take_along_axis(distance, near, axis=1))
+    assert few.near.shape[1] <= near.shape[1]  # 28 of 80 where the cloth is the coarser one
+    assert weights(few, WIDE) == pytest.approx(weights(every, WIDE), abs=1e-12)
 
 
 def test_every_node_below_the_patch_receives_force(pair):
