@@ -90,13 +90,16 @@ class ElasticMesh:
         MeshFolds
             No valid mesh is found, or the boundary alone inverts a corner.
         """
-        goal = self.carried(start, boundary)
-        if not np.isfinite(goal).all() or self._least(goal, self._imposed) <= FLATTEST * size:
+        imposed = boundary[self.boundary]
+        if (
+            not np.isfinite(imposed).all()
+            or self._least(boundary, self._imposed) <= FLATTEST * size
+        ):
             raise MeshFolds
         points = self._carried(start, boundary, size)
         if points is None:
-            points = self._untangled(goal, size)
-        points[self.boundary] = boundary[self.boundary]
+            points = self._untangled(self.carried(start, boundary), size)
+        points[self.boundary] = imposed
         return points
 
     def _carried(self, start: Array, boundary: Array, size: float) -> Array | None:
