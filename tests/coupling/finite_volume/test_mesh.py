@@ -140,3 +140,21 @@ def test_shells_points_crowd_towards_the_rim_of_a_small_patch(arc, dense):
     assert found[[0, -1]] == pytest.approx([0.0, 1.0], abs=1e-15)
     assert (np.diff(found) > 0).all()
     assert (found[-1] - found[-2]) * 1000 == pytest.approx(dense, abs=2e-3)
+
+
+def test_steps_below_the_energys_rounding_are_not_halved(monkeypatch):
+    # Of a motion of 1e-8 the energy, some 1e4, knows nothing; its gradient does.
+    mesh = half_ball(1300)
+    elastic = ElasticMesh(mesh, 1.0)
+    start = boundary = mesh.points + 0.05 * np.sin(4 * mesh.points[:, [1, 2, 0]])
+    for _ in range(4):
+        start = elastic.relax(start, boundary, size=1.0)
+    calls = []
+
+    def counted(*given):
+        calls.append(corner_energy(*given))
+        return calls[-1]
+
+    monkeypatch.setattr("coupling.finite_volume.elastic_mesh.corner_energy", counted)
+    elastic.relax(start, start + 1e-8 * np.sin(4 * start[:, [1, 2, 0]]), size=1.0)
+    assert 1 < len(calls) < 20  # one or two an iteration; a step halved to nothing takes 20 alone
