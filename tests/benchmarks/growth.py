@@ -1,13 +1,15 @@
 """What a coupled step costs by part, and how that grows with the cells, as a markdown table.
 
-    python -P tests/benchmarks/growth.py [CELLS ...] [--steps 6] [--set key=value ...]
+    python -P tests/benchmarks/growth.py [CELLS ...] [--steps 6] [--inertia CELLS]
+        [--set key=value ...]
 
 The first steps of foam_cases/pad_sway_coarse (10 ms) on flow meshes of about CELLS cells, by
-default 1216, 2300, 4320, 9728, 19600 and 43264, below one and the same cloth. Processor ms a
-step, the first left out; the exponents are those of the cells between the last three meshes. One
-BLAS and one Numba thread. ``exchange``: points and fields to and from OpenFOAM; ``rest``: the
-scheme, mass and force balances, and what else is outside the parts. Twenty minutes on two free
-cores, of which the finest mesh takes half.
+default 1216, 2300, 4320, 9728, 19600 and 43264, below one and the same cloth. Iterations: mean
+(max); processor milliseconds a step, the first left out; the exponents are those of the cells
+between the last three meshes. One BLAS and one Numba thread. ``exchange``: points and fields to and
+from OpenFOAM; ``rest``: the scheme, balances, and what else is outside the parts. With
+``--inertia`` the liquid's inertia is found on a mesh of that many cells, in place of the rule's, or
+on the flow's own where that has no more. Ten minutes on two cores, half of it for the finest mesh.
 """
 
 # ruff: noqa: E402
@@ -30,8 +32,10 @@ for threads in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken for the package
 
 from cloth.step import Cloth
+from coupling.finite_volume.coarsening import coarsening
 from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.mesh import cells_made
+from coupling.fluids.openfoam import step
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.keepalive import AliveCase
 from coupling.interface.free_patch import FreePatch
@@ -104,8 +108,8 @@ def solver_seconds(case: Path) -> float:
     return float(times[-1]) if times else 0.0
 
 
-def measured(cells: int, steps: int, settings: list[str]) -> tuple[dict[str, float], float]:
-    """Seconds a step of every part, and iterations a step."""
+def measured(cells: int, steps: int, settings: list[str]) -> tuple[dict[str, float], str]:
+    """Seconds a step of every part, and iterations a step: mean (max)."""
     scene = load_scene(SCENE, [
         f"openfoam.cells={cells}", f"time.duration={0.01 * steps}", "time.output_every=2",
         "time.checkpoint_every=1000", *settings,
@@ -124,7 +128,8 @@ def measured(cells: int, steps: int, settings: list[str]) -> tuple[dict[str, flo
     # The last step's mark comes after the checkpoint at the end, which no other has.
     first, last = marks[0], marks[-2]
     spent = {part: (last[part] - first[part]) / (len(marks) - 2) for part in PARTS}
-    return spent, summary["coupling"]["iterations_mean"]
+    coupling = summary["coupling"]
+    return spent, f"{coupling['iterations_mean']:.2f} ({coupling['iterations_max']})"
 
 
 def exponent(sizes: list[int], values: list[float]) -> float:
@@ -140,7 +145,11 @@ def main() -> None:
     parser.add_argument("cells", type=int, nargs="*", default=SIZES)
     parser.add_argument("--steps", type=int, default=6)
     parser.add_argument("--set", nargs="*", default=[], dest="settings")
+    parser.add_argument("--inertia", type=int)
     given = parser.parse_args()
+    if given.inertia is not None:
+        most: int = given.inertia
+        step.coarser_for = lambda mesh, _: coarsening(mesh, most) if most < mesh.cells else None
     for part, owner, names in CALLS:
         for name in names:
             CLOCK.watch(part, owner, name)
@@ -152,7 +161,7 @@ def main() -> None:
         whole = sum(spent.values())
         rows.append([*spent.values(), whole - spent["OpenFOAM"], whole])
         figures = " | ".join(f"{1e3 * value:.0f}" for value in rows[-1])
-        print(f"| {cells_made(cells)} | {iterations:.1f} | {figures} |", flush=True)
+        print(f"| {cells_made(cells)} | {iterations} | {figures} |", flush=True)
     if len(rows) > 2:
         sizes = [cells_made(cells) for cells in given.cells[-3:]]
         slopes = (exponent(sizes, list(column)) for column in zip(*rows[-3:], strict=True))
