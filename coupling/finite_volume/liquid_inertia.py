@@ -1,4 +1,4 @@
-"""The liquid's inertia on its interface, by the Neumann Laplacian of the flow's own mesh.
+"""The liquid's inertia on its interface, by the Neumann Laplacian of the flow's or a coarser mesh.
 
 The operator answers what OpenFOAM answers to an acceleration of the diaphragm from rest: the same
 cells, the same face coefficients (``Gauss linear corrected``), the same wall pressure. A coupling
@@ -139,11 +139,11 @@ class LiquidInertia:
         """The same, found on a coarser mesh than the flow's.
 
         A coarse face's flux is the sum of its shares in the flow's faces, and its pressure stands
-        on all of them. Of a wave with sin^2 along one direction of square faces of width h, a share
-        of s (1 + s^2)^(1/2)/x is left of the exact inertia, x = k h/2 and s = sin x: the two-point
-        scheme has too much, the mean over a face too little. That is between 1 and 1.11 where h is
-        below .42 of the wavelength, .9 at half of it, and falls fast beyond: the coarse faces must
-        be finer than the structure's shortest waves.
+        on all of them. Of a wave of number k along square faces of width h on deep liquid, this
+        makes the inertia s (1 + s^2)^(1/2)/x times the exact one, x = k h/2 and s = sin x: the
+        two-point scheme finds too much, and the mean over a face leaves too little. That lies
+        between 1 and 1.11 where h is below .42 of the wavelength, is .9 at half of it, and falls
+        fast beyond: the coarse faces must be finer than the structure's shortest waves.
 
         Parameters
         ----------
