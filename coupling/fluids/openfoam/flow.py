@@ -189,11 +189,10 @@ class OpenFoamFlow:
     def liquid_inertia(self, points: Array) -> LiquidInertia:
         """The liquid's inertia in this step, which is expected to end at ``points`` (p, 3) [m]."""
         self._following.follow(points, self.step.moment)
+        now = self._following.now
         if self._coarser is not None:
-            now = self._following.now.points
-            return LiquidInertia.on(self._coarser, self.mesh, now, self.density)
-        laplacian = NeumannLaplacian(self.mesh, self._following.now.geometry)
-        return LiquidInertia.of(laplacian, points, self.density)
+            return LiquidInertia.on(self._coarser, self.mesh, now.points, self.density)
+        return LiquidInertia.of(NeumannLaplacian(self.mesh, now.geometry), points, self.density)
 
     def accept_step(self) -> FlowSample:
         """Commit the last solve."""
