@@ -36,6 +36,44 @@ def lateral_eigenvalue(level: float, mode: int, *, degree: int = DEGREE) -> floa
     return float(1 / value[-mode])
 
 
+def layer_slip(level: float, mode: int) -> tuple[float, float]:
+    """Return what the boundary layers of a lateral mode take, of the wall and of the surface.
+
+    Each is R int |u_t|^2 dA/int |grad phi|^2 dV, u_t the flow along the boundary. Times
+    sqrt(nu omega/2)/R it is the rate at which the mode's energy falls, as
+    ``fluids.potential.wall_layers`` derives it; the surface's share is that of one with a cover
+    which does not move along itself.
+
+    Parameters
+    ----------
+    level
+        Depth of the liquid over the radius, h/R in (0, 2); not checked.
+    mode
+        Number of the mode, from 1.
+
+    Returns
+    -------
+    wall, surface : float
+        Both dimensionless; half full 1.956 and 2.178 of the first mode.
+    """
+    with threadpool_limits(1):
+        stiffness, mass = _forms(level, DEGREE, DEGREE // 2)
+        root = np.linalg.cholesky(stiffness)
+        reduced = np.linalg.solve(root, np.linalg.solve(root, mass).T)
+        vector = np.linalg.solve(root.T, np.linalg.eigh(0.5 * (reduced + reduced.T))[1][:, -mode])
+        node, weight = legendre.leggauss(2 * DEGREE)
+        node, weight = (node + 1) / 2, weight / 2
+        angle, shares = float(np.arccos(1 - level)), []
+        for t, radius, length in (
+            (1.0, np.sin(angle * node), angle),
+            (0.0, np.sin(angle) * node, float(np.sin(angle))),
+        ):
+            value, slope, _ = _basis(node, np.full_like(node, t), DEGREE, DEGREE // 2)
+            along, around = vector @ slope / length, vector @ value / radius
+            shares.append(float((along**2 + around**2) @ (weight * radius * length)))
+    return shares[0], shares[1]
+
+
 @lru_cache(maxsize=64)
 def slosh_eigenvalue(level: float) -> float:
     """lambda = omega^2 R/g of the first free-surface mode at h/R = ``level`` in (0, 2).

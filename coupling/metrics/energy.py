@@ -17,6 +17,7 @@ SHARES = {
     "bending_damping_J": "dissipated_by_bending",
     "drag_J": "dissipated_by_drag",
 }
+WITHIN_LIQUID = {"wall_layers_J": "dissipated_by_layers", "removed_J": "energy_removed"}
 REGULARISATIONS = ("bending_damping_J", "drag_J")  # stand for no loss of the rubber's
 
 
@@ -37,8 +38,9 @@ def energy_summary(results: Results, frequency: float | None, periods: int) -> d
     the start's, of liquid and sheet. ``per_period``: means over the last ``periods`` of
     ``frequency`` [Hz], ``fraction`` what is dissipated over the largest energy in them,
     ``regularised_fraction`` what of it ``cloth.fold_damping`` and ``cloth.slack_drag`` take, None
-    where nothing is dissipated; None without a period. ``removed_J`` stands within ``liquid_J``,
-    None where nothing is removed by rule; ``wall_layer_estimate_J`` stands beside the balance.
+    where nothing is dissipated; None without a period. ``wall_layers_J`` and ``removed_J`` stand
+    within ``liquid_J``, None where the model has no such formula or rule; ``wall_layer_estimate_J``
+    stands beside the balance.
     Null without a balance.
     """
     metrics = results.metrics
@@ -63,7 +65,8 @@ def _per_period(results: Results, work: Array, frequency: float, periods: int) -
         return float(sums[-1] - np.interp(start, time, sums)) / periods
 
     peak = float(metrics["mechanical_energy"][time >= start].max())
-    dissipated, removed = a_period(metrics["dissipated"]), metrics.get("energy_removed")
+    dissipated = a_period(metrics["dissipated"])
+    within = {name: metrics.get(key) for name, key in WITHIN_LIQUID.items()}
     layer = a_period(metrics["layer_estimate"])
     shares = {name: a_period(metrics[key]) for name, key in SHARES.items() if key in metrics}
     regularised = sum(shares[name] for name in REGULARISATIONS)
@@ -75,6 +78,6 @@ def _per_period(results: Results, work: Array, frequency: float, periods: int) -
         "regularised_fraction": regularised / dissipated if dissipated > 0.0 else None,
         **shares,
         "rest_J": a_period(rest(metrics)),
-        "removed_J": None if removed is None else a_period(removed),
+        **{name: None if sums is None else a_period(sums) for name, sums in within.items()},
         "wall_layer_estimate_J": layer if layer > 0.0 else None,
     }

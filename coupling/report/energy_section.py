@@ -15,6 +15,7 @@ from coupling.report.style import BLUE, GREY, INK, ORANGE, legend_above, new_fig
 PARTS = (*SHARES, "rest_J")  # add up to the dissipated
 _ROWS = {
     "liquid_J": "… by the liquid",
+    "wall_layers_J": "… … of it in laminar layers at the walls, by Stokes’ formula",
     "removed_J": "… … of it taken out by the rule against made energy",
     "stretch_loss_J": "… by the rubber’s own loss as it stretches (loss_factor)",
     "shell_friction_J": "… by friction on the shell (friction_shell)",
@@ -78,7 +79,9 @@ def _of_stored(fraction: float | None) -> str:
 def _has_shares(period: dict[str, Any]) -> bool:
     """Whether the parts of what is dissipated are parts of it: none of them makes energy."""
     removed = period["removed_J"] or 0.0
-    parts = (*(period.get(name, 0.0) for name in PARTS), removed, period["liquid_J"] - removed)
+    layers = period.get("wall_layers_J") or 0.0
+    inside = removed, layers, period["liquid_J"] - removed - layers
+    parts = (*(period.get(name, 0.0) for name in PARTS), *inside)
     return bool(period["dissipated_J"] > 0.0 and min(parts) >= 0.0)
 
 

@@ -52,7 +52,7 @@ METRIC_UNITS = {
             "mechanical_energy", "tank_work", "datum_work", "pressure_work", "dissipated",
             "dissipated_by_liquid", "dissipated_by_bending", "dissipated_by_drag",
             "dissipated_by_stretch", "dissipated_by_shell_friction",
-            "dissipated_by_self_friction", "layer_estimate",
+            "dissipated_by_self_friction", "dissipated_by_layers", "layer_estimate",
         ),
         "J",
     ),

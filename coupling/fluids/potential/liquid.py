@@ -1,7 +1,8 @@
-"""Inviscid, irrotational liquid: hydrostatics plus p* = -rho (dphi/dt + |grad phi|^2/2), all of it.
+"""Irrotational liquid: hydrostatics plus p* = -rho (dphi/dt + |grad phi|^2/2), all of it.
 
 The potential is a harmonic polynomial in the true shape (``ritz``): the sheet's
 own triangles bound the liquid, from a thin film to a full tank, and no mesh has to follow them.
+Viscosity acts in the boundary layers along the walls alone (``wall_layers``).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from coupling.fluids.potential.ritz import (
     bernoulli,
     wall_integral,
 )
+from coupling.fluids.potential.wall_layers import WallLayers, slip_form
 from coupling.interface.contact_curve import ContactSettings
 from coupling.ports import Array, Ints, LiquidSample, Shell
 
@@ -26,26 +28,62 @@ class PotentialLiquid:
     """Liquid of ``density`` [kg/m^3] between a ``shell`` and ``triangles`` (m, 3).
 
     The triangles, over ``nodes`` points, are counter-clockwise seen from the gas, their border on
-    the shell's rim. ``degree`` of the polynomials: 6 is 48 unknowns.
+    the shell's rim. ``degree`` of the polynomials: 6 is 48 unknowns. ``layer`` [m/s]: the
+    ``layer_speed`` of the boundary layers, 0 for a liquid without viscosity.
     """
 
     def __init__(
-        self, triangles: Ints, nodes: int, *, shell: Shell, degree: int, density: float
+        self,
+        triangles: Ints,
+        nodes: int,
+        *,
+        shell: Shell,
+        degree: int,
+        density: float,
+        layer: float = 0.0,
     ) -> None:
         harmonics = SolidHarmonics(degree, shell.size)
         points, self._shell_area = shell.quadrature(degree)
-        self.shell = shell
+        self.shell, self.layer = shell, layer
         self.ritz = RitzLiquid(
             triangles=triangles, harmonics=harmonics,
             wall=wall_integral(harmonics, points, self._shell_area), density=density,
         )  # fmt: skip
         self._shell_values = harmonics.values(points)
+        size = np.linalg.norm(self._shell_area, axis=1)
+        outward = self._shell_area / size[:, None]
+        self._shell_form = slip_form(harmonics, self._shell_values, outward, size)
         self._corners = triangles.ravel(), np.repeat(np.arange(len(triangles)), 3)
         self._shape = nodes, len(triangles)
 
     def at(self, points: Array) -> RitzShape:
         """The liquid below the sheet at ``points`` (n, 3) [m]."""
         return self.ritz.at(points)
+
+    def layers(self, points: Array, shape: RitzShape) -> WallLayers:
+        """Return the boundary layers on shell and sheet of the liquid in ``shape``.
+
+        Below the sheet at ``points`` (n, 3) [m]. Where the sheet lies on the shell's wetted side
+        there is no liquid between them: what the shell's integral has there is taken off again.
+        """
+        size = np.linalg.norm(shape.area, axis=1)
+        normal = shape.area / size[:, None]
+        centre = points[self.ritz.triangles].mean(axis=1)
+        # The shell is seen from its middle; a sheet on it, above no liquid, looks back there.
+        cosine = np.einsum("tx,tx->t", normal, centre) / self.shell.size
+        dry = (cosine < -0.5) & (self.shell.gap(points) <= self._reach)[self.ritz.triangles].all(
+            axis=1
+        )
+        sheet = slip_form(self.ritz.harmonics, shape.values, normal, np.where(dry, -size, size))
+        return WallLayers(
+            shape=shape, speed=self.layer, form=(self._shell_form + sheet)[1:, 1:],
+            wetted=np.where(dry, 0.0, size),
+        )  # fmt: skip
+
+    @property
+    def _reach(self) -> float:
+        """Gap [m] below which a node counts as lying on the shell."""
+        return ContactSettings().reach * self.shell.size
 
     def sample(
         self,
@@ -103,8 +141,7 @@ class PotentialLiquid:
 
     def _free(self, points: Array) -> NDArray[np.bool_]:
         """Triangles (m,) that are off the shell, all of them where none is."""
-        reach = ContactSettings().reach * self.shell.size
-        free = (self.shell.gap(points) > reach)[self.ritz.triangles].any(axis=1)
+        free = (self.shell.gap(points) > self._reach)[self.ritz.triangles].any(axis=1)
         return np.asarray(free if free.any() else ~free)
 
     def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
 from coupling.fluids.model import CLOTH_ITERATIONS, ErrorLaw, FluidModel, Record, inertia_wrong
+from coupling.motion.shaking import driving_frequency
 from coupling.ports import IterativeStructure, TimeStep
 from coupling.scene.scene import Scene
 
@@ -13,14 +14,15 @@ _OWN = 30  # what the potential adds to a step, in inner iterations of the cloth
 
 
 class PotentialModel(FluidModel):
-    """Potential flow in the true shape: the added mass, no viscosity, no vortices."""
+    """Potential flow in the true shape: added mass, laminar wall layers, no vortices."""
 
     name = "potential"
     colour, line = "#009E73", "-."
     has_flow = True
     error_law = ErrorLaw(law=inertia_wrong)
     dissipation_note = (
-        "This model’s liquid has no viscosity: it loses energy in impacts and to the step."
+        "This model’s liquid loses energy in laminar layers at the walls, by Stokes’ formula, in "
+        "impacts and to the step."
     )
     pressure_note = "Exact for the harmonic polynomials that this model’s potential is made of."
 
@@ -34,6 +36,7 @@ class PotentialModel(FluidModel):
         """Return the step that solves diaphragm and liquid as one system, without iterations."""
         from coupling.fluids.potential.liquid import PotentialLiquid
         from coupling.fluids.potential.step import PotentialStep
+        from coupling.fluids.potential.wall_layers import layer_speed
 
         del folder, record
         liquid = PotentialLiquid(
@@ -42,6 +45,7 @@ class PotentialModel(FluidModel):
             shell=scene.tank.shell,
             degree=scene.potential.degree,
             density=scene.liquid.density,
+            layer=layer_speed(scene.liquid.viscosity, driving_frequency(scene)),
         )
         return PotentialStep(cloth, liquid)
 

@@ -29,7 +29,7 @@ from coupling.step.stopwatch import Stopwatch
 _NAMES = (
     "position", "velocity", "coefficient",
     "previous_position", "previous_velocity", "previous_coefficient", "previous_dt",
-    "force", "energy", "removed",
+    "force", "energy", "removed", "layer_loss",
 )  # fmt: skip
 
 
@@ -53,7 +53,9 @@ class PotentialStep:
     ``backward`` in time, as the structure: dphi/dt at fixed places is the same formula for the
     polynomial's coefficients. In a step's shape x* they follow from the nodes' velocities, c = A v,
     so that the force -A^T rho dc/dt = -M (v - v_anchor)/b - A^T rho (A v_anchor - c_anchor)/b has
-    its first part in the solve; the kinetic part is that of the extrapolated potential.
+    its first part in the solve; the kinetic part is that of the extrapolated potential. The drag
+    of the boundary layers (``wall_layers``) is implicit likewise, but for the part of a sheet that
+    slides along itself, which is that of the extrapolated velocities.
 
     Where the sheet snaps taut or slams, a step is too long for that, and may make energy. What the
     liquid gains beyond the sheet's work, and beyond ``settings.gain``, is taken out of its
@@ -78,7 +80,7 @@ class PotentialStep:
         state = structure.state
         none = np.zeros(len(liquid.ritz.harmonics.degrees))
         still = state.position, np.zeros_like(state.position), none
-        rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1)
+        rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1), np.zeros(1)
         self._now: dict[str, Array] = dict(zip(_NAMES, (*still, *still, *rest), strict=True))
         self._next = self._now
         self._sample: LiquidSample | None = None  # of the last attempt
@@ -107,14 +109,19 @@ class PotentialStep:
         )  # fmt: skip
         c, before = now["coefficient"], now["previous_coefficient"]
         anchor = kinematics(dt, previous, c, c, before, before).position_anchor
-        expected = c + (c - before) * (dt / previous if previous > 0.0 else 0.0)
+        ahead = dt / previous if previous > 0.0 else 0.0
+        expected = c + (c - before) * ahead
+        moving = now["velocity"] + (now["velocity"] - now["previous_velocity"]) * ahead
         points = self.liquid.shell.confine(now["position"] + dt * now["velocity"])
         for last in (False, True):
             with self._watch.timed("fluid"):
                 shape = self.liquid.at(points)
-                rows = shape.rows()
+                layers = self.liquid.layers(points, shape)
+                rows, carried = layers.rows(nodes.b), layers.carried(moving)
                 known = (shape.potential(nodes.velocity_anchor) - anchor) / nodes.b
-                force = shape.force(shape.pressure(known, expected))
+                known += layers.rate(nodes.velocity_anchor) - carried
+                drag = layers.force(expected, moving)
+                force = shape.force(shape.pressure(known, expected)) + drag
             with self._watch.timed("structure"):
                 self.structure.begin_step(dt, load, rows)
                 end = self.structure.solve(force)
@@ -127,11 +134,12 @@ class PotentialStep:
         with self._watch.timed("fluid"):
             velocity = nodes.velocity(end)
             coefficient = shape.potential(velocity)
-            rate = (coefficient - anchor) / nodes.b
-            force = shape.force(shape.pressure(rate, expected))
+            rate = (coefficient - anchor) / nodes.b + layers.rate(velocity) - carried
+            force = shape.force(shape.pressure(rate, expected)) + drag
             work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
             energy = shape.kinetic_energy(velocity)
-            gain = energy + work - float(now["energy"][0])
+            lost = dt * layers.power(coefficient, velocity)
+            gain = energy + work + lost - float(now["energy"][0])
             excess = max(gain - self.settings.gain * (energy + abs(work)), 0.0)
             excess = min(excess, self.settings.most * energy)
             kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
@@ -141,6 +149,7 @@ class PotentialStep:
                 "previous_position": now["position"], "previous_velocity": now["velocity"],
                 "previous_coefficient": c, "previous_dt": np.array([dt]),
                 "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
+                "layer_loss": now["layer_loss"] + lost,
             }  # fmt: skip
 
     def _forget(self) -> None:
@@ -178,8 +187,12 @@ class PotentialStep:
         return self._watch.taken()
 
     def metrics(self, sample: LiquidSample | None) -> dict[str, float]:
-        """The liquid's scalars, and the energy [J] that time stepping made and that was removed."""
-        return liquid_metrics(sample) | {"energy_removed": float(self._now["removed"][0])}
+        """The liquid's scalars, and two energies [J] since the start.
+
+        What time stepping made and was removed, and what the boundary layers took.
+        """
+        sums = {"energy_removed": "removed", "dissipated_by_layers": "layer_loss"}
+        return liquid_metrics(sample) | {key: float(self._now[n][0]) for key, n in sums.items()}
 
     def to_nodes(self, values: Array) -> Array:
         """Values on the diaphragm's triangles (m,), averaged to its nodes (n,)."""
