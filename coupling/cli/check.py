@@ -33,7 +33,7 @@ def check(
                 "numbers": numbers.to_dict(),
                 "record": None if record is None else record.to_dict(),
                 "models": model_estimates(scene),
-                "cells": cells_made(scene.openfoam.cells),
+                "cells": cells_made(scene.openfoam.cells, scene.wall_spacing),
                 "advised": choice.fluid,
                 "reason": choice.reason,
             }

@@ -56,22 +56,50 @@ def layer_slip(level: float, mode: int) -> tuple[float, float]:
     wall, surface : float
         Both dimensionless; half full 1.956 and 2.178 of the first mode.
     """
+    vector, (node, weight) = _mode(level, mode), legendre.leggauss(2 * DEGREE)
+    node, weight = (node + 1) / 2, weight / 2
+    angle, shares = float(np.arccos(1 - level)), []
+    for t, radius, length in (
+        (1.0, np.sin(angle * node), angle),
+        (0.0, np.sin(angle) * node, float(np.sin(angle))),
+    ):
+        value, slope, _ = _basis(node, np.full_like(node, t), DEGREE, DEGREE // 2)
+        along, around = vector @ slope / length, vector @ value / radius
+        shares.append(float((along**2 + around**2) @ (weight * radius * length)))
+    return shares[0], shares[1]
+
+
+def lateral_heights(level: float, mode: int, distance: Array) -> Array:
+    """Return the heights of a lateral mode's surface, over cos(angle), the largest near 1.
+
+    Parameters
+    ----------
+    level
+        Depth of the liquid over the radius, h/R in (0, 2); not checked.
+    mode
+        Number of the mode, from 1.
+    distance
+        Distances (q,) from the axis, over the radius of the surface.
+
+    Returns
+    -------
+    Array
+        Heights (q,) [-].
+    """
+    rim = np.append(distance, np.linspace(0.0, 1.0, 101))
+    surface = _basis(rim, np.zeros_like(rim), DEGREE, DEGREE // 2)[0]
+    heights = _mode(level, mode) @ surface
+    return np.asarray(heights[: len(distance)] / heights[np.argmax(np.abs(heights[-101:])) - 101])
+
+
+def _mode(level: float, mode: int) -> Array:
+    """Coefficients (b,) of a lateral mode, of unit Dirichlet integral over pi."""
     with threadpool_limits(1):
         stiffness, mass = _forms(level, DEGREE, DEGREE // 2)
         root = np.linalg.cholesky(stiffness)
         reduced = np.linalg.solve(root, np.linalg.solve(root, mass).T)
-        vector = np.linalg.solve(root.T, np.linalg.eigh(0.5 * (reduced + reduced.T))[1][:, -mode])
-        node, weight = legendre.leggauss(2 * DEGREE)
-        node, weight = (node + 1) / 2, weight / 2
-        angle, shares = float(np.arccos(1 - level)), []
-        for t, radius, length in (
-            (1.0, np.sin(angle * node), angle),
-            (0.0, np.sin(angle) * node, float(np.sin(angle))),
-        ):
-            value, slope, _ = _basis(node, np.full_like(node, t), DEGREE, DEGREE // 2)
-            along, around = vector @ slope / length, vector @ value / radius
-            shares.append(float((along**2 + around**2) @ (weight * radius * length)))
-    return shares[0], shares[1]
+        vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))[1]
+        return np.asarray(np.linalg.solve(root.T, vectors[:, -mode]))
 
 
 @lru_cache(maxsize=64)

@@ -1,88 +1,151 @@
-"""The seven blocks of a cubed ball, and what of them lies in its lower half.
+"""The six blocks of the half ball's mesh: half a cube in the middle, wrapped in layers.
 
-A cube of n^3 cells, slightly swollen, is wrapped in six blocks of n^2 m cells that reach to the
-sphere. In every block the points are those of one map of the unit cube, whatever n and m: meshes of
-different sizes are samples of the same map. It is continuous, with a kink on the cube's diagonals.
+Half a cube of n x n x n/2 cells, swollen towards a sphere, lies against the disc; five blocks join
+its faces to the sphere, each of as many layers. Cells may be graded towards the disc and the
+sphere, geometrically: the ratio of neighbours is as even as it can be, and tends to 1 as n grows.
+
+In every block the points are those of one map of the unit cube, at levels of the block's three
+directions: meshes of different divisions are samples of the same map. It is continuous, with a kink
+on the cube's diagonals.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from coupling.ports import Array, Ints
 
-# Corners of a hexahedron in OpenFOAM's order.
-_CORNERS = np.array(
+CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-)
+)  # of a hexahedron, in OpenFOAM's order
+LAYERS = 0.65  # from the cube to the shell, over n
 CUBE_SIZE = 0.4  # half the inner cube's edge over R, on its axes
 CUBE_BULGE = 0.5  # 0: a cube, 1: a sphere; between them the cells at its edges stay open
 
 
+def graded(count: int, first: float) -> Array:
+    """Return levels from 0 to 1 whose last interval is of a given length, or less.
+
+    Parameters
+    ----------
+    count
+        Number of even intervals that they replace; the longest is about as long as one of those.
+    first
+        Length of the last interval, that at the wall; 0, or more than 1/``count``, for even ones.
+
+    Returns
+    -------
+    Array
+        Levels (k + 1,), rising, with k at least ``count``; lengths are in a geometric progression.
+    """
+    if not 0.0 < first < 1.0 / count or count < 2:
+        return np.linspace(0.0, 1.0, count + 1)
+    ratio = (1.0 - first) * count / (count - 1.0)  # of a progression from first to 1/count
+    number = 1 + math.ceil(math.log(1.0 / (count * first)) / math.log(ratio))
+    powers = np.arange(number)
+    ratio = float(brentq(lambda r: first * np.sum(r**powers) - 1.0, 1.0, 2.0 * ratio))
+    levels = 1.0 - first * np.append(0.0, np.cumsum(ratio**powers))[::-1]
+    levels[0] = 0.0
+    return np.asarray(levels)
+
+
+def _halved(levels: Array, least: int) -> Array:
+    """Levels of half as many intervals, rounded up, between the same ends; ``least`` of them."""
+    count = len(levels) - 1
+    places = np.linspace(0.0, count, max(least, (count + 1) // 2) + 1)
+    return np.asarray(np.interp(places, np.arange(count + 1), levels))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Divisions:
+    """How the blocks are divided.
+
+    ``side`` (n + 1,): across the cube, from -1 to 1; ``depth`` (k + 1,): from its bottom, -1, to
+    the disc, 0; ``layers`` (m + 1,): from the cube, 0, to the shell, 1.
+    """
+
+    side: Array
+    depth: Array
+    layers: Array
+
+    @classmethod
+    def of(cls, n: int, spacing: float) -> Divisions:
+        """Of n cells across the cube, n even, those at the walls at most ``spacing`` radii high."""
+        return cls(
+            side=np.linspace(-1.0, 1.0, n + 1),
+            # The highest cells below the disc are those at its rim, of a quarter turn's half.
+            depth=graded(n // 2, spacing / (np.pi / 4)) - 1.0,
+            layers=graded(round(LAYERS * n), spacing / (1.0 - CUBE_SIZE)),
+        )
+
+    def halved(self) -> Divisions:
+        """With half as many cells in every direction, graded likewise."""
+        return Divisions(
+            side=_halved(self.side, 2), depth=_halved(self.depth, 1), layers=_halved(self.layers, 1)
+        )
+
+    def holds(self, other: Divisions) -> bool:
+        """Whether there are as many cells as in ``other`` in every direction, or more."""
+        pairs = ((self.side, other.side), (self.depth, other.depth), (self.layers, other.layers))
+        return all(len(own) >= len(its) for own, its in pairs)
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of all blocks."""
+        n, k, m = (len(levels) - 1 for levels in (self.side, self.depth, self.layers))
+        return n * n * k + 4 * n * k * m + n * n * m
+
+    @property
+    def top(self) -> int:
+        """Number of faces on the disc."""
+        n, m = len(self.side) - 1, len(self.layers) - 1
+        return n * n + 4 * n * m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """One of the blocks, of i x j x k cells, in the numbering of the whole mesh.
+
+    ``levels``: of its three directions; ``points`` (i + 1, j + 1, k + 1); ``cells`` (i, j, k).
+    """
+
+    levels: tuple[Array, Array, Array]
+    points: Ints
+    cells: Ints
+
+
 @dataclass(frozen=True, kw_only=True)
 class Blocks:
-    """The lower half of a cubed ball of radius 1, and where its points and cells are in the blocks.
-
-    ``points`` (P, 3); ``hexes`` (c, 8), corners in OpenFOAM's order. ``grids``: of each block the
-    points at its nodes (i + 1, j + 1, k + 1); ``cells``: its cells (i, j, k). Both are -1 in the
-    upper half.
-    """
+    """``points`` (P, 3) of all blocks, over R; ``hexes`` (c, 8), corners in OpenFOAM's order."""
 
     points: Array
     hexes: Ints
-    grids: tuple[Ints, ...]
-    cells: tuple[Ints, ...]
+    blocks: tuple[Block, ...]
 
 
-def lower_blocks(n: int, m: int) -> Blocks:
-    """Return the lower half of the cubed ball with a cube of n^3 cells in m layers; n is even."""
-    points, grids = _merge(_grids(n, m))
-    hexes = [_hexes(grid) for grid in grids]
-    lower = [points[block].mean(axis=-2)[..., 2] < 0 for block in hexes]
-    used = np.unique(np.concatenate([b[low] for b, low in zip(hexes, lower, strict=True)]))
-    number = np.full(len(points), -1)
-    number[used] = np.arange(len(used))
-    cells, start = [], 0
-    for low in lower:
-        found = np.full(low.shape, -1)
-        found[low] = start + np.arange(low.sum())
-        start += low.sum()
-        cells.append(found)
-    return Blocks(
-        points=points[used],
-        hexes=np.concatenate([number[b[low]] for b, low in zip(hexes, lower, strict=True)]),
-        grids=tuple(number[grid] for grid in grids),
-        cells=tuple(cells),
-    )
-
-
-def _hexes(grid: Ints) -> Ints:
-    """Corners (i, j, k, 8) of the cells between the points ``grid`` (i + 1, j + 1, k + 1)."""
-    cells = np.stack(np.meshgrid(*(np.arange(k - 1) for k in grid.shape), indexing="ij"), -1)
-    corner = cells[..., None, :] + _CORNERS
-    return np.asarray(grid[corner[..., 0], corner[..., 1], corner[..., 2]])
-
-
-def _grids(n: int, m: int) -> list[Array]:
-    """Points (i + 1, j + 1, k + 1, 3) of the seven blocks."""
-    s = np.linspace(-1.0, 1.0, n + 1)
-    grids = [_bulge(np.stack(np.meshgrid(s, s, s, indexing="ij"), axis=-1))]
-    layers = np.linspace(0.0, 1.0, m + 1)[:, None, None, None]
-    for axis in range(3):
-        for side in (-1.0, 1.0):
-            u, v = np.meshgrid(s, s, indexing="ij")
-            plane = np.empty((n + 1, n + 1, 3))
-            first, second = (axis + 1) % 3, (axis + 2) % 3
-            plane[..., axis] = side
-            plane[..., first] = u if side > 0 else v
-            plane[..., second] = v if side > 0 else u
-            spherical = np.tan(plane * np.pi / 4)  # equiangular: even cells over the sphere
-            spherical /= np.linalg.norm(spherical, axis=-1, keepdims=True)
-            block = (1 - layers) * _bulge(plane) + layers * spherical
-            grids.append(np.moveaxis(block, 0, 2))
-    return grids
+def half_blocks(divisions: Divisions) -> Blocks:
+    """Return the blocks of the half ball of radius 1, the points that they share merged."""
+    along = divisions.side, divisions.side, divisions.depth
+    levels = [along]
+    grids = [_bulge(np.stack(np.meshgrid(*along, indexing="ij"), axis=-1))]
+    layers = divisions.layers[:, None, None, None]
+    for axis, side in ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, -1.0)):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        if side < 0:
+            first, second = second, first
+        u, v = np.meshgrid(along[first], along[second], indexing="ij")
+        plane = np.empty((*u.shape, 3))
+        plane[..., axis], plane[..., first], plane[..., second] = side, u, v
+        spherical = np.tan(plane * np.pi / 4)  # equiangular: even cells over the sphere
+        spherical /= np.linalg.norm(spherical, axis=-1, keepdims=True)
+        block = (1 - layers) * _bulge(plane) + layers * spherical
+        grids.append(np.moveaxis(block, 0, 2))
+        levels.append((along[first], along[second], divisions.layers))
+    return _merged(grids, levels)
 
 
 def _bulge(cube: Array) -> Array:
@@ -94,13 +157,22 @@ def _bulge(cube: Array) -> Array:
     return np.asarray(CUBE_SIZE * ((1 - CUBE_BULGE) * cube + CUBE_BULGE * sphere))
 
 
-def _merge(grids: list[Array]) -> tuple[Array, list[Ints]]:
-    """Points (P, 3) of all blocks, each once, and where those of every block are among them."""
+def _merged(grids: list[Array], levels: list[tuple[Array, Array, Array]]) -> Blocks:
+    """Blocks whose points (i + 1, j + 1, k + 1, 3) are ``grids``, what they share made one."""
     flat = np.concatenate([g.reshape(-1, 3) for g in grids])
     rounded = np.round(flat, 9) + 0.0
     _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-    points = flat[first]
+    points, inverse = flat[first], inverse.ravel()
     points[np.abs(points[:, 2]) < 1e-9, 2] = 0.0
-    ends = np.cumsum([grid[..., 0].size for grid in grids])
-    parts = np.split(inverse.ravel(), ends[:-1])
-    return points, [part.reshape(g.shape[:3]) for part, g in zip(parts, grids, strict=True)]
+    hexes, blocks, start, count = [], [], 0, 0
+    for grid, along in zip(grids, levels, strict=True):
+        shape = np.array(grid.shape[:3])
+        ids = inverse[start : start + shape.prod()].reshape(shape)
+        start += shape.prod()
+        cells = np.stack(np.meshgrid(*(np.arange(k) for k in shape - 1), indexing="ij"), -1)
+        corner = cells.reshape(-1, 1, 3) + CORNERS
+        hexes.append(ids[corner[..., 0], corner[..., 1], corner[..., 2]])
+        number = count + np.arange((shape - 1).prod()).reshape(shape - 1)
+        count += number.size
+        blocks.append(Block(levels=along, points=ids, cells=number))
+    return Blocks(points=points, hexes=np.concatenate(hexes), blocks=tuple(blocks))

@@ -1,20 +1,20 @@
 """From a half ball to a coarser one of the same blocks: where its points are, what its faces sweep.
 
 Meshes of the family sample one map of the blocks (``blocks``), so that a point or a cell of one has
-its place among those of another by counting alone, wherever the points have moved.
+its place among those of another by its levels alone, wherever the points have moved.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, kron
 
-from coupling.finite_volume.blocks import Blocks, lower_blocks
-from coupling.finite_volume.mesh import LiquidMesh, cells_for_nodes, cells_of, divisions, half_ball
-from coupling.ports import Ints
+from coupling.finite_volume.blocks import half_blocks
+from coupling.finite_volume.mesh import LiquidMesh, cells_for_nodes, divided, half_ball
+from coupling.ports import Array, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,35 +37,61 @@ def coarser_for(mesh: LiquidMesh, nodes: int) -> Coarsening | None:
 
     See ``cells_for_nodes``; None where ``mesh`` itself is no finer.
     """
-    cells = cells_for_nodes(nodes)
-    return None if mesh.cells <= cells else coarsening(mesh, cells)
+    coarse = half_ball(cells_for_nodes(nodes))
+    finer = mesh.divisions is not None and mesh.cells > coarse.cells
+    if not finer or not mesh.divisions.holds(coarse.divisions):
+        return None
+    return coarsening(mesh, coarse)
 
 
-def coarsening(fine: LiquidMesh, cells: int) -> Coarsening:
-    """Return the half ball of at most ``cells`` cells as a coarsening of the half ball ``fine``.
+def coarsening(fine: LiquidMesh, coarse: LiquidMesh) -> Coarsening:
+    """Return the half ball ``coarse`` as a coarsening of the half ball ``fine``.
 
-    Raises ``ValueError`` where ``fine`` is no half ball, or one of less cells.
+    Raises ``ValueError`` where they are no half balls, or ``fine`` is coarser in some direction.
     """
-    mesh = half_ball(cells)
-    below, above = (lower_blocks(*divisions(size)) for size in (mesh.cells, fine.cells))
-    if len(above.hexes) != fine.cells or mesh.cells > fine.cells:
-        raise ValueError(f"no coarsening of a mesh of {fine.cells} cells to one of {mesh.cells}")
-    points = _joined(zip(below.grids, above.grids, strict=True), _interpolation)
-    faces = _joined(zip(_tops(mesh, below), _tops(fine, above), strict=True), _overlap)
-    return Coarsening(mesh=mesh, points=points, faces=faces)
+    if (
+        coarse.divisions is None
+        or fine.divisions is None
+        or not fine.divisions.holds(coarse.divisions)
+    ):
+        raise ValueError(f"no coarsening of a mesh of {fine.cells} cells to one of {coarse.cells}")
+    below, above = half_blocks(coarse.divisions).blocks, half_blocks(fine.divisions).blocks
+    points = _joined(
+        (own.points, its.points, _lines(own.levels, its.levels))
+        for own, its in zip(below, above, strict=True)
+    )
+    faces = _joined(
+        (top, finer, [_overlap(*edges) for edges in zip(own, its, strict=True)])
+        for (top, own), (finer, its) in zip(_tops(coarse), _tops(fine), strict=True)
+    )
+    return Coarsening(mesh=coarse, points=points, faces=faces)
 
 
-def _tops(mesh: LiquidMesh, blocks: Blocks) -> list[Ints]:
-    """Faces of the diaphragm (i, j, k) in each of the blocks that have some, one cell thick."""
-    face = np.full(mesh.cells + 1, -1)
+def _lines(coarse: Sequence[Array], fine: Sequence[Array]) -> list[csr_array]:
+    """Interpolation along each direction of a block."""
+    return [_interpolation(*levels) for levels in zip(coarse, fine, strict=True)]
+
+
+def _tops(mesh: LiquidMesh) -> list[tuple[Ints, tuple[Array, ...]]]:
+    """Faces of the diaphragm (i, j, k) in each of the blocks that have some, and their edges.
+
+    They are one cell thick, of one interval.
+    """
+    assert mesh.divisions is not None
+    face = np.full(mesh.cells, -1)
     face[mesh.owner[mesh.diaphragm]] = np.arange(mesh.diaphragm_faces)
-    grids = [face[cells] for cells in blocks.cells]
-    places = [np.unique(np.argwhere(grid >= 0), axis=0) for grid in grids]
-    return [
-        grid[np.ix_(*(np.unique(place) for place in at.T))]
-        for grid, at in zip(grids, places, strict=True)
-        if len(at)
-    ]
+    found = []
+    for block in half_blocks(mesh.divisions).blocks:
+        grid = face[block.cells]
+        if (grid < 0).all():
+            continue
+        places = [np.unique(place) for place in np.argwhere(grid >= 0).T]
+        edges = tuple(
+            levels if len(at) > 1 else np.array([0.0, 1.0])
+            for at, levels in zip(places, block.levels, strict=True)
+        )
+        found.append((grid[np.ix_(*places)], edges))
+    return found
 
 
 def prolongations(mesh: LiquidMesh, within: Ints, least: int) -> list[csr_array]:
@@ -87,35 +113,31 @@ def prolongations(mesh: LiquidMesh, within: Ints, least: int) -> list[csr_array]
         boundary, from the finest to the coarsest.
     """
     found: list[csr_array] = []
-    if len(within) <= least:
-        return found
-    n, layers = divisions(mesh.cells)
-    blocks = lower_blocks(n, layers)
-    if not np.array_equal(blocks.points, mesh.points):
-        return found
-    while len(within) > least and n > 2:
-        n = max(2, 2 * round(n / 4))
-        coarser = half_ball(cells_of(n))
-        below = lower_blocks(*divisions(coarser.cells))
-        inside = np.setdiff1d(np.arange(len(below.points)), coarser.faces[coarser.inner_faces :])
-        line = _joined(zip(blocks.grids, below.grids, strict=True), _interpolation)
+    divisions = mesh.divisions
+    while divisions is not None and len(within) > least and len(divisions.side) > 3:
+        coarser = divided(divisions.halved())
+        assert coarser.divisions is not None
+        pairs = zip(
+            half_blocks(divisions).blocks, half_blocks(coarser.divisions).blocks, strict=True
+        )
+        inside = np.setdiff1d(np.arange(len(coarser.points)), coarser.faces[coarser.inner_faces :])
+        line = _joined(
+            (own.points, its.points, _lines(own.levels, its.levels)) for own, its in pairs
+        )
         found.append(csr_array(line[within][:, inside]))
-        blocks, within = below, inside
+        divisions, within = coarser.divisions, inside
     return found
 
 
-def _joined(
-    blocks: Iterable[tuple[Ints, Ints]], along: Callable[[int, int], csr_array]
-) -> csr_array:
+def _joined(blocks: Iterable[tuple[Ints, Ints, Sequence[csr_array]]]) -> csr_array:
     """Matrix between what stands at places of two meshes' blocks, -1 for nothing.
 
-    ``along`` gives it for one direction of a block, of the sizes there. What stands in several
-    blocks has the same row in each.
+    By block: its places in both, and the matrix along each of its directions. What stands in
+    several blocks has the same row in each.
     """
     rows, columns, values = [], [], []
     count, known = np.zeros(2, int), np.zeros(0, int)
-    for coarse, fine in blocks:
-        lines = [along(*sizes) for sizes in zip(coarse.shape, fine.shape, strict=True)]
+    for coarse, fine, lines in blocks:
         block = coo_array(kron(kron(lines[0], lines[1]), lines[2]))
         row, column = coarse.ravel()[block.row], fine.ravel()[block.col]
         kept = (row >= 0) & (column >= 0) & (block.data != 0.0) & ~np.isin(row, known)
@@ -128,28 +150,35 @@ def _joined(
     return csr_array(coo_array(entries, shape=tuple(count)))
 
 
-def _interpolation(coarse: int, fine: int) -> csr_array:
-    """Weights (coarse, fine) of as many points, evenly from the same start to the same end."""
-    at = np.arange(coarse) * (fine - 1)  # in integers: a point on both has one weight, exactly 1
-    lower = np.minimum(at // (coarse - 1), fine - 2)
-    share = at / (coarse - 1) - lower
-    rows = np.arange(coarse)
+def _interpolation(coarse: Array, fine: Array) -> csr_array:
+    """Weights (k', k) at levels ``coarse`` (k',) of values at levels ``fine`` (k,)."""
+    lower = np.clip(np.searchsorted(fine, coarse, side="right") - 1, 0, len(fine) - 2)
+    share = (coarse - fine[lower]) / (fine[lower + 1] - fine[lower])
+    share[np.abs(share) < 1e-12] = 0.0  # a point on both has one weight, exactly 1
+    share[np.abs(share - 1.0) < 1e-12] = 1.0
+    rows = np.arange(len(coarse))
     entries = np.r_[1.0 - share, share], (np.r_[rows, rows], np.r_[lower, lower + 1])
-    return csr_array(coo_array(entries, shape=(coarse, fine)))
+    return csr_array(coo_array(entries, shape=(len(coarse), len(fine))))
 
 
-def _overlap(coarse: int, fine: int) -> csr_array:
-    """Shares (coarse, fine) of intervals of the second division of a length in those of the first.
+def _overlap(coarse: Array, fine: Array) -> csr_array:
+    """Shares (k', k) of the intervals between edges ``fine`` (k + 1,) in those of ``coarse``.
 
-    Both divisions are even. What the finer intervals hold is taken to vary linearly along each, as
-    from the one before it to the one behind it: spread evenly, short waves would fade.
+    What the finer intervals hold is taken to vary linearly along each, as from the one before it
+    to the one behind it: spread evenly, short waves would fade.
     """
-    edges = np.arange(coarse + 1)[:, None] * fine / coarse  # in finer intervals
-    centre = np.arange(fine) + 0.5
-    start, end = (np.clip(edge - centre, -0.5, 0.5) for edge in (edges[:-1], edges[1:]))
-    slope = 0.5 * (np.eye(fine, k=1) - np.eye(fine, k=-1))
-    slope[[0, -1]] *= 2.0
-    slope[[0, -1], [0, -1]] = -1.0, 1.0
-    shares = end - start + 0.5 * (end**2 - start**2) @ (slope if fine > 1 else np.zeros((1, 1)))
+    width, centre = np.diff(fine), 0.5 * (fine[1:] + fine[:-1])
+    start, end = (
+        np.clip(edge[:, None] - centre, -0.5 * width, 0.5 * width)
+        for edge in (coarse[:-1], coarse[1:])
+    )
+    shares = (end - start) / width
+    if len(width) > 1:
+        at = np.arange(len(width))
+        before, behind = np.maximum(at - 1, 0), np.minimum(at + 1, len(width) - 1)
+        slope = np.zeros((len(width), len(width)))
+        slope[at, behind] = 1.0 / width[behind] / (centre[behind] - centre[before])
+        slope[at, before] -= 1.0 / width[before] / (centre[behind] - centre[before])
+        shares += 0.5 * (end**2 - start**2) @ slope
     shares[np.abs(shares) < 1e-12] = 0.0  # rounding of edges that coincide
     return csr_array(shares)

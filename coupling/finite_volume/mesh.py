@@ -1,31 +1,31 @@
 """The liquid's hexahedral mesh: the lower half of a cubed ball, whose top is the diaphragm.
 
-A cube of n^3 cells wrapped in m layers of 6 n^2, cut at the equator. The top is the patch
-``diaphragm``, a disc; its rim is where the liquid's surface meets the shell, anywhere on it, at the
-angle that a liquid's surface has there. The topology never changes in a run. Where the points go as
-the diaphragm moves is the business of ``free_patch`` and ``following``.
+Its points are those of ``blocks``. The top is the patch ``diaphragm``, a disc; its rim is where the
+liquid's surface meets the shell, anywhere on it, at the angle that a liquid's surface has there.
+The topology never changes in a run. Where the points go as the diaphragm moves is the business of
+``free_patch`` and ``following``.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coupling.finite_volume.blocks import lower_blocks
+from coupling.finite_volume.blocks import Divisions, half_blocks
 from coupling.ports import Array, Ints
 
-# Faces of a hexahedron, its corners in OpenFOAM's order, seen counter-clockwise from outside.
+# Faces of a hexahedron, seen counter-clockwise from outside, and its edges.
 _FACES = np.array(
     [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
 )
 _EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
-LAYERS = 0.65  # from the cube to the shell, over n
+
 # Faces on the diaphragm to a node of the structure, with which a mesh holds the inertia of all its
 # waves: about as many as nodes are free of the shell. With 592 nodes, of which 324 are free (fill
 # fraction 0.8) or 428 (0.3), on a flow of 6,664 cells, the largest part that an iteration leaves of
@@ -40,7 +40,8 @@ class LiquidMesh:
     """Topology in OpenFOAM's order, and the reference half ball of radius 1.
 
     ``points`` (P, 3); ``faces`` (F, 4), first the inner ones, then the patch ``diaphragm``, then
-    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8).
+    ``shell``; ``owner`` (F,), ``neighbour`` (inner,); ``hexes`` (c, 8). ``divisions``: of a half
+    ball's blocks, None of any other mesh.
     """
 
     points: Array
@@ -50,6 +51,7 @@ class LiquidMesh:
     cells: int
     diaphragm_faces: int
     hexes: Ints = field(repr=False)
+    divisions: Divisions | None = None
 
     @property
     def inner_faces(self) -> int:
@@ -92,10 +94,34 @@ class LiquidMesh:
         return np.setdiff1d(self.faces[self.shell], self.patch_points)
 
 
-def half_ball(cells: int) -> LiquidMesh:
-    """The finest lower half of a cubed ball of at most ``cells`` cells: n even, m = 0.65 n."""
-    blocks = lower_blocks(*divisions(cells))
-    return assemble(blocks.points, blocks.hexes, top=-1e-9)
+def half_ball(cells: int, spacing: float = 0.0) -> LiquidMesh:
+    """Return the finest lower half of a cubed ball of at most so many cells.
+
+    Parameters
+    ----------
+    cells
+        Most cells.
+    spacing
+        Height of the cells at shell and disc over the radius, at most [-]; 0, or more than theirs
+        without it, for cells that are not graded towards them.
+
+    Returns
+    -------
+    LiquidMesh
+        The mesh, n cells across its cube, n even, and 0.65 n layers or, graded, more.
+
+    Raises
+    ------
+    ValueError
+        Even the coarsest mesh has more cells.
+    """
+    return divided(_divisions(cells, spacing)[1])
+
+
+def divided(divisions: Divisions) -> LiquidMesh:
+    """The half ball whose blocks are divided so."""
+    blocks = half_blocks(divisions)
+    return replace(assemble(blocks.points, blocks.hexes, top=-1e-9), divisions=divisions)
 
 
 def shell_shares(reach: Array, arc: Array | float) -> Array:
@@ -121,52 +147,50 @@ def shell_shares(reach: Array, arc: Array | float) -> Array:
     return np.asarray(reach + (1.0 - dense) * reach * (1.0 - reach))
 
 
-def cells_made(cells: int) -> int:
-    """How many cells ``half_ball(cells)`` has."""
-    return cells_of(divisions(cells)[0])
+def cells_made(cells: int, spacing: float = 0.0) -> int:
+    """How many cells ``half_ball(cells, spacing)`` has."""
+    return _divisions(cells, spacing)[1].cells
 
 
-def cells_above(cells: int) -> int:
-    """How many cells the next finer mesh than ``half_ball(cells)`` has."""
-    return cells_of(divisions(cells)[0] + 2)
+def cells_above(cells: int, spacing: float = 0.0) -> int:
+    """How many cells the next finer mesh than ``half_ball(cells, spacing)`` has."""
+    return Divisions.of(_divisions(cells, spacing)[0] + 2, spacing).cells
 
 
-def cells_halved(cells: int) -> int:
-    """Cells of the coarser half ball that comes nearest to half those of ``half_ball(cells)``."""
-    n = divisions(cells)[0]
-    coarser = [cells_of(k) for k in range(2, n, 2)] or [cells_of(n)]
-    return min(coarser, key=lambda size: abs(math.log(2.0 * size / cells_of(n))))
+def cells_halved(cells: int, spacing: float = 0.0) -> int:
+    """Cells of the coarser half ball that comes nearest to half those of ``half_ball``.
+
+    Its cells at the walls are as high. Parameters as of ``half_ball``.
+    """
+    n, divisions = _divisions(cells, spacing)
+    coarser = [Divisions.of(k, spacing).cells for k in range(2, n, 2)] or [divisions.cells]
+    return min(coarser, key=lambda size: abs(math.log(2.0 * size / divisions.cells)))
 
 
 def cells_for_nodes(nodes: int) -> int:
     """Cells of the coarsest half ball that is as fine as a structure of so many ``nodes``.
 
-    Its diaphragm has ``FACES`` faces to a node at least.
+    Its diaphragm has ``FACES`` faces to a node at least; its cells are not graded.
     """
     n = 2
-    while _top(n) < FACES * nodes:
+    while Divisions.of(n, 0.0).top < FACES * nodes:
         n += 2
     return cells_of(n)
 
 
-def divisions(cells: int) -> tuple[int, int]:
-    """Return n and m = 0.65 n of the finest half ball of at most ``cells`` cells."""
-    n = 2
-    if cells_of(n) > cells:
-        raise ValueError(f"the coarsest mesh has {cells_of(n)} cells, got {cells}")
-    while cells_of(n + 2) <= cells:
-        n += 2
-    return n, round(LAYERS * n)
-
-
 def cells_of(n: int) -> int:
-    """Return the cells (n^3 + 6 n^2 m) / 2 of half the wrapped cube."""
-    return (n**3 + 6 * n * n * round(LAYERS * n)) // 2
+    """Cells of the half ball with n cells across its cube, n even, that is not graded."""
+    return Divisions.of(n, 0.0).cells
 
 
-def _top(n: int) -> int:
-    """Faces n^2 + 4 n m of its diaphragm."""
-    return n * n + 4 * n * round(LAYERS * n)
+def _divisions(cells: int, spacing: float) -> tuple[int, Divisions]:
+    """n and how the blocks are divided of the finest mesh of at most ``cells``."""
+    n, taken = 2, Divisions.of(2, spacing)
+    if taken.cells > cells:
+        raise ValueError(f"the coarsest mesh has {taken.cells} cells, got {cells}")
+    while (finer := Divisions.of(n + 2, spacing)).cells <= cells:
+        n, taken = n + 2, finer
+    return n, taken
 
 
 def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.mesh import cells_above, cells_made
 from coupling.scene.choices import fluid_models, keeps_volume, motion_kind
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from coupling.scene.scene import Scene
 
 THICKNESS_OVER_RADIUS = 0.05
+FEWEST_ACROSS = 4  # cells across the mesh's inner cube, those of the least ``openfoam.cells``
+LEAST_SPACING, MOST_SPACING = 1e-5, 0.2  # of wall cells over the radius; that of the coarsest mesh
 FARTHEST_CELLS = 1.5  # that may be asked, over those that the mesh has
 
 
@@ -73,8 +76,22 @@ def _check_gravity(scene: Scene) -> list[str]:
 
 def _check_cells(scene: Scene) -> list[str]:
     """The meshes come in steps: whether the one taken has about as many cells as were asked."""
-    asked = scene.openfoam.cells
-    made, next_ = cells_made(asked), cells_above(asked)
+    asked, spacing = scene.openfoam.cells, scene.wall_spacing
+    if spacing and not LEAST_SPACING <= spacing <= MOST_SPACING:
+        size = scene.tank.shell.size
+        return [
+            f"openfoam.wall_spacing: must be 0 or lie in {LEAST_SPACING * size:g} to "
+            f"{MOST_SPACING * size:g} m in this tank, got {scene.openfoam.wall_spacing:g}. Give a "
+            "fraction of the boundary layer's thickness, sqrt(nu/(pi f))."
+        ]
+    least = Divisions.of(FEWEST_ACROSS, spacing).cells
+    if asked < least:
+        return [
+            f"openfoam.cells: with wall_spacing = {scene.openfoam.wall_spacing:g} "
+            f"the coarsest mesh has {least} cells, got {asked}. Give {least} or more, or a larger "
+            "wall_spacing."
+        ]
+    made, next_ = cells_made(asked, spacing), cells_above(asked, spacing)
     if asked <= FARTHEST_CELLS * made:
         return []
     return [

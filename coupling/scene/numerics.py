@@ -102,6 +102,12 @@ class OpenFoam(Section):
         le=MOST,
         description="cells of the mesh, at most: it has 176, 540, 1216, 2300, 4320, 6664 and so on",
     )
+    wall_spacing: float = Field(
+        default=0.0,
+        ge=0,
+        description="height of the cells at shell and diaphragm [m], at most, in the half ball "
+        "that the mesh is made from; more layers are taken, of growing height; 0 for even cells",
+    )
     keep_alive: bool = Field(
         default=True,
         description="value false to restart the stock solver every iteration, also where the one "

@@ -77,6 +77,11 @@ class Scene(Section):
         return 1.0 / self.frequency if self.frequency else None
 
     @property
+    def wall_spacing(self) -> float:
+        """``openfoam.wall_spacing`` over the shell's size, as ``half_ball`` takes it."""
+        return self.openfoam.wall_spacing / self.tank.shell.size
+
+    @property
     def loss_time(self) -> float:
         """Time tau [s] of the rubber's loss, eta/(2 pi f) of ``cloth.viscous``."""
         rubber = self.diaphragm

@@ -37,6 +37,7 @@ CASES: Registry[Callable[..., VerifyResult]] = Registry(
         "chain": "coupling.verify.hanging:chain",
         "static-level": "coupling.verify.static_level:static_level",
         "slosh": "coupling.verify.slosh:slosh",
+        "layers": "coupling.verify.layers:layers",
         "cylinder": "coupling.verify.cylinder:cylinder",
         "plate": "coupling.verify.plate:plate",
         "piston": "coupling.verify.piston:piston",

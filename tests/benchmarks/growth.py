@@ -34,7 +34,7 @@ sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken 
 from cloth.step import Cloth
 from coupling.finite_volume.coarsening import coarsening
 from coupling.finite_volume.following import FollowingMesh
-from coupling.finite_volume.mesh import cells_made
+from coupling.finite_volume.mesh import cells_made, half_ball
 from coupling.fluids.openfoam import step
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.keepalive import AliveCase
@@ -149,7 +149,9 @@ def main() -> None:
     given = parser.parse_args()
     if given.inertia is not None:
         most: int = given.inertia
-        step.coarser_for = lambda mesh, _: coarsening(mesh, most) if most < mesh.cells else None
+        step.coarser_for = lambda mesh, _: (
+            coarsening(mesh, half_ball(most)) if most < mesh.cells else None
+        )
     for part, owner, names in CALLS:
         for name in names:
             CLOCK.watch(part, owner, name)

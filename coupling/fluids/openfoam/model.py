@@ -99,7 +99,7 @@ class OpenFoamModel(FluidModel):
         """
         taken = SCHEMES[scene.coupling.scheme]
         solves = _SOLVES if taken.takes_inertia else taken.typical_iterations
-        size = cells_made(scene.openfoam.cells) / _CELLS
+        size = cells_made(scene.openfoam.cells, scene.wall_spacing) / _CELLS
         flow = solves * (_FLOW_SOLVES / _SOLVES * size + _RESTART * (not _stays_alive(scene)))
         cloth = iteration * solves * CLOTH_ITERATIONS
         if not taken.takes_inertia:
@@ -112,14 +112,14 @@ class OpenFoamModel(FluidModel):
 
     def error_scale(self, scene: Scene) -> float:
         """Return the error of the scene's mesh over that of CELLS."""
-        finer = cells_made(CELLS) / cells_made(scene.openfoam.cells)
+        finer = cells_made(CELLS) / cells_made(scene.openfoam.cells, scene.wall_spacing)
         return float(finer ** (ORDER / 3.0))
 
     def coarser(self, scene: Scene) -> CoarserScene:
         """Return the scene with about half the cells, as near as the meshes come to that."""
-        cells = cells_halved(scene.openfoam.cells)
+        cells = cells_halved(scene.openfoam.cells, scene.wall_spacing)
         section = scene.openfoam.model_copy(update={"cells": cells})
-        fewer = cells_made(scene.openfoam.cells) / cells_made(cells)
+        fewer = cells_made(scene.openfoam.cells, scene.wall_spacing) / cells_made(cells)
         return CoarserScene(
             scene=scene.model_copy(update={"openfoam": section}),
             width=fewer ** (1.0 / 3.0),
@@ -128,13 +128,13 @@ class OpenFoamModel(FluidModel):
 
     def size(self, scene: Scene) -> Mapping[str, int]:
         """Return the number of the mesh's cells, by what is counted."""
-        return {"cells of the flow's mesh": cells_made(scene.openfoam.cells)}
+        return {"cells of the flow's mesh": cells_made(scene.openfoam.cells, scene.wall_spacing)}
 
     def fields_size(self, scene: Scene) -> float:
         """Return the bytes that p, U and points take at the times of output."""
         if not scene.openfoam.write_fields:
             return 0.0
-        mesh = half_ball(scene.openfoam.cells)
+        mesh = half_ball(scene.openfoam.cells, scene.wall_spacing)
         values = mesh.cells + len(mesh.faces) - mesh.inner_faces  # in the cells and on the walls
         times = -(-scene.time.steps // scene.time.output_every)
         return 8.0 * times * (4 * values + 3 * len(mesh.points))

@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 
+from coupling.finite_volume.blocks import graded
 from coupling.finite_volume.corner_energy import corner_energy
 from coupling.finite_volume.elastic_mesh import ElasticMesh, MeshFolds
 from coupling.finite_volume.geometry import cell_geometry, fan_volume
-from coupling.finite_volume.mesh import half_ball, shell_shares
+from coupling.finite_volume.mesh import (
+    cells_above,
+    cells_halved,
+    cells_made,
+    half_ball,
+    shell_shares,
+)
 
 
 @pytest.fixture(params=[176, 650])
@@ -158,3 +165,37 @@ def test_steps_below_the_energys_rounding_are_not_halved(monkeypatch):
     monkeypatch.setattr("coupling.finite_volume.elastic_mesh.corner_energy", counted)
     elastic.relax(start, start + 1e-8 * np.sin(4 * start[:, [1, 2, 0]]), size=1.0)
     assert 1 < len(calls) < 20  # one or two an iteration; a step halved to nothing takes 20 alone
+
+
+def test_cells_are_graded_to_the_walls():
+    """The cells at both walls are as low as asked, neighbours grow evenly, and all stay open."""
+    spacing = 0.004
+    mesh = half_ball(2100, spacing)
+    geometry = cell_geometry(mesh, mesh.points)
+    assert geometry.volume.min() > 0
+    walls = slice(mesh.inner_faces, None)
+    area = geometry.face_area[walls]
+    normal = area / np.linalg.norm(area, axis=1)[:, None]
+    reach = geometry.face_centre[walls] - geometry.centre[mesh.owner[walls]]
+    height = 2.0 * np.sum(reach * normal, axis=1)
+    # At most as high; a facet's sagitta in the middle, h^2/8 of cells pi/8 wide, stays below.
+    assert height.max() < spacing
+    assert height.min() > 0.3 * spacing
+    assert half_ball(2100, 0.0).cells == cells_made(2100)
+    assert mesh.cells == cells_made(2100, spacing)
+    assert cells_halved(6000, spacing) < 6000 < cells_above(6000, spacing)
+
+
+@pytest.mark.parametrize(("count", "first"), [(5, 1e-3), (3, 0.02), (12, 1e-4)])
+def test_graded_levels_are_a_progression(count, first):
+    levels = graded(count, first)
+    length = np.diff(levels)
+    assert levels[0] == 0.0
+    assert levels[-1] == 1.0
+    assert length[-1] == pytest.approx(first)
+    ratio = length[:-1] / length[1:]
+    assert ratio == pytest.approx(ratio[0])
+    assert 1.0 < ratio[0] < 1.1 * count / (count - 1)  # ratios tend to 1 as the count grows
+    assert length[0] < 1.1 / count
+    assert np.diff(graded(count, 0.0)) == pytest.approx(1.0 / count)
+    assert np.diff(graded(count, 1.0)) == pytest.approx(1.0 / count)

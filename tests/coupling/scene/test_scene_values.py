@@ -127,6 +127,21 @@ def test_number_of_cells_that_no_mesh_comes_near_is_refused(cells: int, mend: st
         scene_from(changed(("openfoam", "cells"), cells))
 
 
+@pytest.mark.parametrize(
+    ("spacing", "cells", "why"),
+    [
+        (1e-7, 5000, r"openfoam\.wall_spacing: must be 0 or lie in .*Give a fraction"),
+        (0.3, 5000, r"openfoam\.wall_spacing: must be 0 or lie in"),
+        (1e-3, 1300, r"openfoam\.cells: with wall_spacing = 0\.001 .* Give \d+ or more"),
+    ],
+)
+def test_wall_spacing_that_no_mesh_has_is_refused(spacing: float, cells: int, why: str):
+    data = changed(("openfoam", "wall_spacing"), spacing)
+    data["openfoam"]["cells"] = cells
+    with pytest.raises(SceneError, match=why):
+        scene_from(data)
+
+
 @pytest.mark.parametrize("cells", [176, 200, 540, 650, 1300, 5000, 30000])
 def test_mesh_has_about_as_many_cells_as_were_asked_for(cells: int):
     scene = scene_from(changed(("openfoam", "cells"), cells))
