@@ -14,7 +14,6 @@ what is found is the time step's error, of second order.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
@@ -22,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from cloth.energy import SheetEnergy, SheetLosses
+from coupling.fluids.potential.wall_layers import layer_speed
 from coupling.interface.liquid_shape import liquid_cg
 from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
 from coupling.scene.scene import Scene
@@ -222,4 +222,4 @@ def layer_factor(scene: Scene) -> float:
     liquid = scene.liquid
     if scene.frequency is None:
         return 0.0
-    return liquid.density * math.sqrt(math.pi * scene.frequency * liquid.viscosity)
+    return liquid.density * layer_speed(liquid.viscosity, scene.frequency)
