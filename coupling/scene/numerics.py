@@ -83,7 +83,7 @@ class Cloth(Section):
 
 
 class Potential(Section):
-    """The inviscid liquid's unknowns; read only when ``model.fluid`` is ``potential``."""
+    """The irrotational liquid's unknowns; read only when ``model.fluid`` is ``potential``."""
 
     degree: int = Field(
         default=6, ge=2, le=14, description="degree of the potential's harmonic polynomials"

@@ -1,1 +1,1 @@
-"""The inviscid, irrotational liquid by harmonic polynomials: only its boundary is sampled."""
+"""The irrotational liquid by harmonic polynomials: only its boundary is sampled."""

@@ -1,4 +1,4 @@
-"""The inviscid liquid as a fluid model."""
+"""The irrotational liquid as a fluid model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One step of the diaphragm with an inviscid liquid: solved as one system, no coupling iteration.
+"""One step of the diaphragm with an irrotational liquid: one system, no coupling iteration.
 
 The liquid's inertia stands in the diaphragm's own inertia. What is iterated is the shape alone
 that inertia belongs to, and only where the step moves the diaphragm far.
