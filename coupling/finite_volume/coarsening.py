@@ -38,8 +38,7 @@ def coarser_for(mesh: LiquidMesh, nodes: int) -> Coarsening | None:
     See ``cells_for_nodes``; None where ``mesh`` itself is no finer.
     """
     coarse = half_ball(cells_for_nodes(nodes))
-    finer = mesh.divisions is not None and mesh.cells > coarse.cells
-    if not finer or not mesh.divisions.holds(coarse.divisions):
+    if mesh.cells <= coarse.cells or not _is_finer(mesh, coarse):
         return None
     return coarsening(mesh, coarse)
 
@@ -49,12 +48,10 @@ def coarsening(fine: LiquidMesh, coarse: LiquidMesh) -> Coarsening:
 
     Raises ``ValueError`` where they are no half balls, or ``fine`` is coarser in some direction.
     """
-    if (
-        coarse.divisions is None
-        or fine.divisions is None
-        or not fine.divisions.holds(coarse.divisions)
-    ):
+    if not _is_finer(fine, coarse):
         raise ValueError(f"no coarsening of a mesh of {fine.cells} cells to one of {coarse.cells}")
+    assert coarse.divisions is not None
+    assert fine.divisions is not None
     below, above = half_blocks(coarse.divisions).blocks, half_blocks(fine.divisions).blocks
     points = _joined(
         (own.points, its.points, _lines(own.levels, its.levels))
@@ -65,6 +62,12 @@ def coarsening(fine: LiquidMesh, coarse: LiquidMesh) -> Coarsening:
         for (top, own), (finer, its) in zip(_tops(coarse), _tops(fine), strict=True)
     )
     return Coarsening(mesh=coarse, points=points, faces=faces)
+
+
+def _is_finer(fine: LiquidMesh, coarse: LiquidMesh) -> bool:
+    """Whether both are half balls, ``fine`` of no fewer cells in any direction."""
+    own, its = fine.divisions, coarse.divisions
+    return own is not None and its is not None and own.holds(its)
 
 
 def _lines(coarse: Sequence[Array], fine: Sequence[Array]) -> list[csr_array]:

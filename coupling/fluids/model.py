@@ -90,6 +90,11 @@ class FluidModel:
     pressure_note: ClassVar[str] = ""  # what a report says of how the parts of p* are found
     instead: ClassVar[str] = ""  # what to do where its flow fails: "take model.fluid = ..."
 
+    def problems(self, scene: Scene) -> list[str]:
+        """One line ``key: what is wrong. Mend.`` for each thing it cannot do of the scene."""
+        del scene
+        return []
+
     def load_model(self, scene: Scene) -> LoadModel:
         """The load that needs no flow."""
         raise NotImplementedError

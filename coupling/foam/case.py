@@ -152,10 +152,9 @@ class Case:
         return fields.read_cells(result / "p", cells), fields.read_cells(result / "U", cells)
 
     def slide_of(self, slide: Array | None) -> Array:
-        """``slide`` (B, 3) [m/s], zero where it is None."""
-        return (
-            np.zeros((len(self.mesh.faces) - self.mesh.inner_faces, 3)) if slide is None else slide
-        )
+        """``slide`` (B, 3) [m/s], 0 where it is None."""
+        walls = len(self.mesh.faces) - self.mesh.inner_faces
+        return np.zeros((walls, 3)) if slide is None else slide
 
     def _write_slide(self, slide: Array, moment: str) -> None:
         """Leave ``slide`` (B, 3) [m/s] where the walls' library looks for it."""
@@ -197,7 +196,7 @@ class Case:
         return float("nan") if said is None else said.continuity
 
     def flush(self, time: float) -> None:
-        """See to it that the fields at ``time`` [s] stand in files; here they always do."""
+        """Leave the fields at ``time`` [s] in files; here they always are."""
 
     def close(self) -> None:
         """End what runs of the solver; the next step starts from the files. Here nothing does."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.mesh import cells_above, cells_made
-from coupling.scene.choices import fluid_models, keeps_volume, motion_kind
+from coupling.scene.choices import fluid_models, fluid_problems, keeps_volume, motion_kind
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene.sections import LEAST, Motion
 from coupling.scene.wrinkles import (
@@ -38,6 +38,7 @@ def problems_between(scene: Scene) -> list[str]:
         *_check_wrinkling(scene),
         *_check_motion(scene),
         *_check_time(scene),
+        *fluid_problems(scene),
     ]
 
 
@@ -227,11 +228,5 @@ def _check_time(scene: Scene) -> list[str]:
         problems.append(
             f"time.step: must be at most 1/{FEWEST_STEPS_A_PERIOD} of the motion's period "
             f"({longest:.4g} s), got {time.step:g}. Give a smaller step."
-        )
-    alone = scene.model.fluid == "openfoam" and not scene.openfoam.keep_alive
-    if time.step_tolerance is not None and alone:
-        problems.append(
-            "time.step_tolerance: takes steps of uneven lengths, which a restarted solver cannot. "
-            "Set openfoam.keep_alive = true, or leave it out."
         )
     return problems

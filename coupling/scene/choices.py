@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 from coupling.registry import named_at, registry_at
 
 if TYPE_CHECKING:
+    from coupling.scene.scene import Scene
     from coupling.scene.sections import Motion
 
 AUTO = "auto"  # the fluid model that is taken by the scene's own numbers
@@ -53,6 +54,13 @@ def fluid_models() -> tuple[str, ...]:
 def keeps_volume(fluid: str) -> bool:
     """Whether the fluid model ``fluid`` keeps the liquid's volume; AUTO takes one that does."""
     return fluid == AUTO or bool(registry_at("coupling.fluids:FLUIDS")[fluid].keeps_volume)
+
+
+def fluid_problems(scene: Scene) -> list[str]:
+    """What the scene's fluid model cannot do of it; AUTO takes one that can."""
+    if scene.model.fluid == AUTO:
+        return []
+    return list(registry_at("coupling.fluids:FLUIDS")[scene.model.fluid].problems(scene))
 
 
 def default_fluid_model() -> str:

@@ -21,13 +21,7 @@ from coupling.finite_volume.rates import FluxRate
 from coupling.finite_volume.wall import cell_distance, wall_flow
 from coupling.fluids.openfoam.flow_step import FlowSettings, FlowSolution, FlowStep
 from coupling.fluids.openfoam.sample import flow_sample
-from coupling.fluids.openfoam.wall_motion import (
-    NO_SLIDE,
-    WallMotion,
-    centre_velocity,
-    following_walls,
-    sliding_walls,
-)
+from coupling.fluids.openfoam.wall_motion import NO_SLIDE, WallMotion, wall_motion
 from coupling.foam.keepalive import case_of
 from coupling.foam.kept_times import KeptTimes
 from coupling.foam.packed_times import packed, unpack
@@ -176,14 +170,9 @@ class OpenFoamFlow:
         """How the walls move whose faces sweep ``swept`` (B,) [m^3] in the step."""
         step, following = self.step, self._following
         rate = self._swept(swept, step.dt, step.previous_dt)
-        of_points = centre_velocity(self.mesh, following.committed, following.now, step.dt)
-        if motion is None:
-            return following_walls(
-                self.mesh, of_points=of_points, swept=self._swept.flux, rate=rate
-            )
-        return sliding_walls(
-            self.mesh, following.now, motion,
-            of_points=of_points, swept=self._swept.flux, least=NO_SLIDE * self.volume / step.dt,
+        return wall_motion(
+            self.mesh, following.committed, following.now, motion,
+            dt=step.dt, swept=self._swept.flux, rate=rate, least=NO_SLIDE * self.volume / step.dt,
         )  # fmt: skip
 
     def liquid_inertia(self, points: Array) -> LiquidInertia:

@@ -51,6 +51,15 @@ class OpenFoamModel(FluidModel):
         "p*, with what vorticity does. The viscous stress is the solver’s own."
     )
 
+    def problems(self, scene: Scene) -> list[str]:
+        """A solver that is restarted takes no steps of uneven lengths."""
+        if scene.time.step_tolerance is None or scene.openfoam.keep_alive:
+            return []
+        return [
+            "time.step_tolerance: takes steps of uneven lengths, which a restarted solver cannot. "
+            "Set openfoam.keep_alive = true, or leave it out."
+        ]
+
     def load_model(self, scene: Scene) -> Hydrostatic:
         """The part of the pressure that the flow's equations leave out."""
         return hydrostatic_of(scene)

@@ -31,24 +31,41 @@ class WallMotion:
     slide: Array
 
 
-def following_walls(mesh: LiquidMesh, *, of_points: Array, swept: Array, rate: Array) -> WallMotion:
-    """Return how walls move whose points move as they do.
+def wall_motion(
+    mesh: LiquidMesh,
+    before: MeshShape,
+    now: MeshShape,
+    motion: InterfaceMotion | None,
+    *,
+    dt: float,
+    swept: Array,
+    rate: Array,
+    least: float,
+) -> WallMotion:
+    """Return how the walls move in a step of ``dt`` [s].
 
     Parameters
     ----------
     mesh
         The mesh, with B faces on the walls, the diaphragm's F first.
-    of_points
-        Velocity of the boundary faces' centres (B, 3) [m/s] that the points' motion makes.
+    before, now
+        Where it stands at the step's start and end.
+    motion
+        How the diaphragm moves at the points of the patch, None where they move as it does.
     swept, rate
-        Flux of the boundary faces (B,) [m^3/s] that it makes, as the solver's time scheme has it,
-        and its rate of change (B,) [m^3/s^2].
+        Flux of the boundary faces (B,) [m^3/s] that the points' motion makes, as the solver's time
+        scheme has it, and its rate of change (B,) [m^3/s^2].
+    least
+        Volume swept a second [m^3/s] below which a slide is none.
 
     Returns
     -------
     WallMotion
         The walls' motion.
     """
+    of_points = centre_velocity(mesh, before, now, dt)
+    if motion is not None:
+        return sliding_walls(mesh, now, motion, of_points=of_points, swept=swept, least=least)
     count = mesh.diaphragm_faces
     return WallMotion(
         flux=swept[:count], rate=rate[:count], velocity=of_points[:count],
