@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from coupling.cli.exit_status import guarded
 from coupling.cli.json_output import print_json
-from coupling.cli.options import AllowCommand, AsJson, Changes, ScenePath
+from coupling.cli.options import AllowCommand, AsJson, Changes, OpenFoamPrefix, ScenePath
 
 
 @guarded("coupling.cli.tables", "coupling.api.start")
@@ -12,6 +12,7 @@ def check(
     scene_path: ScenePath,
     changes: Changes = None,
     allow_command: AllowCommand = False,
+    openfoam: OpenFoamPrefix = None,
     as_json: AsJson = False,
 ) -> None:
     """Check a scene; say how good each fluid model is for it and what it costs."""

@@ -12,13 +12,13 @@ import typer
 
 from coupling.cli.exit_status import guarded
 from coupling.cli.json_output import print_json
-from coupling.cli.options import AsJson
+from coupling.cli.options import AsJson, OpenFoamPrefix
 
 _PACKAGES = ("numpy", "scipy", "h5py", "pydantic")
 
 
 @guarded("coupling.foam.build")
-def build_solver() -> None:
+def build_solver(openfoam: OpenFoamPrefix = None) -> None:
     """Build the flow solver that stays alive for a whole run, and is some ten times as fast."""
     from coupling.foam.build import build_solver as build
     from coupling.foam.installation import find_openfoam
@@ -27,7 +27,7 @@ def build_solver() -> None:
 
 
 @guarded("coupling.fluids.model")
-def info(as_json: AsJson = False) -> None:
+def info(openfoam: OpenFoamPrefix = None, as_json: AsJson = False) -> None:
     """Say which versions are here, what was found of OpenFOAM, and what is compiled."""
     values = found()
     if as_json:

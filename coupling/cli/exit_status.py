@@ -85,7 +85,7 @@ def _checked(verb: Callable[P, None], *args: P.args, **kwargs: P.kwargs) -> None
 def _wrong_input() -> tuple[type[Exception], ...]:
     """What is raised before anything starts; imported when a verb has failed, as it takes long."""
     from coupling.campaign.sweep_plan import SweepError
-    from coupling.foam.installation import OpenFoamMissing
+    from coupling.foam.prefixes import OpenFoamMissing
     from coupling.scene.errors import SceneError
     from coupling.store.atomic import UnreadableFile
     from coupling.store.folder_lock import FolderError

@@ -53,6 +53,29 @@ AllowCommand = Annotated[
 ]
 
 
+def _take_openfoam(prefix: Path | None) -> None:
+    if prefix is not None:
+        from coupling.foam.prefixes import OpenFoamMissing, take
+
+        try:
+            take(prefix)  # worker processes inherit it
+        except OpenFoamMissing as missing:
+            raise typer.BadParameter(str(missing)) from missing
+
+
+OpenFoamPrefix = Annotated[
+    Path | None,
+    typer.Option(
+        "--openfoam",
+        metavar="PREFIX",
+        callback=_take_openfoam,
+        expose_value=False,
+        help="Take the OpenFOAM in this folder, whose etc/bashrc is sourced, rather than that of "
+        "the PATH; `edt info` lists those found.",
+    ),
+]
+
+
 def names(listed: str) -> tuple[str, ...]:
     """The names in a list with commas."""
     return tuple(name.strip() for name in listed.split(","))

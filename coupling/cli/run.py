@@ -15,6 +15,7 @@ from coupling.cli.options import (
     AsJson,
     Changes,
     Force,
+    OpenFoamPrefix,
     Output,
     Report,
     RunFolder,
@@ -35,6 +36,7 @@ def run(
     output: Output = None,
     changes: Changes = None,
     allow_command: AllowCommand = False,
+    openfoam: OpenFoamPrefix = None,
     force: Force = False,
     report: Report = True,
     as_json: AsJson = False,
@@ -65,6 +67,7 @@ def run(
 def resume(
     folder: RunFolder,
     allow_command: AllowCommand = False,
+    openfoam: OpenFoamPrefix = None,
     report: Report = True,
     as_json: AsJson = False,
 ) -> None:

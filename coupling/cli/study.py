@@ -13,6 +13,7 @@ from coupling.cli.options import (
     AsJson,
     Changes,
     Force,
+    OpenFoamPrefix,
     Output,
     ScenePath,
     again,
@@ -39,6 +40,7 @@ def study(
     output: Output = None,
     changes: Changes = None,
     allow_command: AllowCommand = False,
+    openfoam: OpenFoamPrefix = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:

@@ -14,6 +14,7 @@ from coupling.cli.options import (
     AsJson,
     Changes,
     Force,
+    OpenFoamPrefix,
     Output,
     ScenePath,
     again,
@@ -47,6 +48,7 @@ def sweep(
     output: Output = None,
     changes: Changes = None,
     allow_command: AllowCommand = False,
+    openfoam: OpenFoamPrefix = None,
     force: Force = False,
     workers: Annotated[
         int | None,

@@ -8,7 +8,7 @@ import typer
 
 from coupling.cli.exit_status import ExitStatus, guarded, stop
 from coupling.cli.json_output import print_json
-from coupling.cli.options import AsJson
+from coupling.cli.options import AsJson, OpenFoamPrefix
 from coupling.verify import CASES, beyond, option_pairs, run_all, run_case
 
 
@@ -27,6 +27,7 @@ def verify(
             help="Largest error allowed; end with status 1 where a quantity errs by more.",
         ),
     ] = None,
+    openfoam: OpenFoamPrefix = None,
     as_json: AsJson = False,
 ) -> None:
     """Hold cases against exact answers. Options of the case follow: --level 0.6 --mode 1."""

@@ -9,19 +9,14 @@ import subprocess
 from functools import lru_cache
 from pathlib import Path
 
+from coupling.foam.prefixes import STOCK, OpenFoamMissing, advice
 from coupling.foam.process import OpenFoam, clean_environment, takes_path
 from coupling.foam.solver_cache import WALLS, built_for_any, built_solver
-from coupling.ports import RunFailed
 
-STOCK = "pimpleFoam"  # the solver that the one that stays alive stands in for
 ALLOW_COMMAND = "EDT_ALLOW_COMMAND"  # set by --allow-command, read here and by worker processes
 _DEBIAN_PROJECT = Path("/usr/share/openfoam")
 _SPECIAL = "blanks, quotes, colons, semicolons or dollars"
 _START_TIMEOUT = 20.0  # [s] for a program to print its help
-
-
-class OpenFoamMissing(RunFailed):
-    """No OpenFOAM that works where one is needed."""
 
 
 def find_openfoam(
@@ -75,15 +70,17 @@ def _located(command: str) -> tuple[str, Path]:
         )
     found = shutil.which(command)
     if found is None:
+        choice = advice() if command == STOCK else ""
         raise OpenFoamMissing(
             f"openfoam.command: no program '{command}' on the PATH. "
-            "Install OpenFOAM (Debian: apt-get install openfoam) or source its etc/bashrc."
+            "Install OpenFOAM (Debian: apt-get install openfoam) or source its etc/bashrc. "
+            f"{choice}".rstrip()
         )
     project = Path(os.environ.get("WM_PROJECT_DIR") or _DEBIAN_PROJECT)
     if not (project / "etc" / "controlDict").is_file():
         raise OpenFoamMissing(
             f"{found}: no etc/controlDict below {project}. "
-            "Set WM_PROJECT_DIR to OpenFOAM's folder, or source its etc/bashrc."
+            f"Set WM_PROJECT_DIR to OpenFOAM's folder, source its etc/bashrc, or give --openfoam."
         )
     return str(Path(found).absolute()), project
 

@@ -7,8 +7,9 @@ from functools import cache
 from pathlib import Path
 
 from coupling.finite_volume.mesh import half_ball
-from coupling.foam.installation import OpenFoamMissing, cause_of, find_openfoam, mend_of
+from coupling.foam.installation import cause_of, find_openfoam, mend_of
 from coupling.foam.keepalive import case_of
+from coupling.foam.prefixes import OpenFoamMissing
 from coupling.foam.process import OpenFoam, OpenFoamFailed
 from coupling.ports import StepFailed
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from coupling.finite_volume.mesh import half_ball
-from coupling.foam.installation import OpenFoamMissing, find_openfoam
+from coupling.foam.installation import find_openfoam
 from coupling.foam.keepalive import case_of
+from coupling.foam.prefixes import OpenFoamMissing
 from coupling.foam.rehearsal import rehearse
 
 pytestmark = pytest.mark.openfoam

@@ -85,15 +85,18 @@ class OpenFoamModel(FluidModel):
         check_installed(chosen.command, keep_alive=chosen.keep_alive, processors=chosen.processors)
 
     def installed(self) -> Mapping[str, str]:
-        """Version and program of OpenFOAM, and whether a solver that stays alive was built."""
-        from coupling.foam.installation import OpenFoamMissing, find_openfoam
+        """Version and program of OpenFOAM, what else is installed, and the solver built for it."""
+        from coupling.foam.installation import find_openfoam
+        from coupling.foam.prefixes import OpenFoamMissing, installations, listed
 
+        others = {"OpenFOAMs for --openfoam": listed(installations()) or "none found"}
         try:
             solver = find_openfoam(keep_alive=True)
         except OpenFoamMissing as missing:
-            return {self.name: f"not found: {missing}"}
+            return {self.name: f"not found: {missing}"} | others
         return {
             self.name: f"{solver.version}, {solver.solver}",
+            **others,
             "solver that stays alive": str(
                 solver.keep_alive
                 or "not built: 'edt build-solver' makes runs with a flow faster, and waves last "

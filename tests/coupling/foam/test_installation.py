@@ -4,12 +4,12 @@ import pytest
 
 from coupling.foam.installation import (
     ALLOW_COMMAND,
-    OpenFoamMissing,
     cause_of,
     check_installed,
     find_openfoam,
     mend_of,
 )
+from coupling.foam.prefixes import OpenFoamMissing
 from coupling.foam.process import OpenFoam, OpenFoamFailed, clean_environment, scratch_folder
 
 
