@@ -1,7 +1,9 @@
-"""Volumes, areas and swept volumes as OpenFOAM itself computes them (v1912).
+"""Volumes, areas and swept volumes as OpenFOAM itself computes them (v1912 to v2606).
 
 Sources: ``primitiveMeshFaceCentresAndAreas.C``, ``primitiveMeshCellCentresAndVols.C``,
-``face.C`` (``sweptVol``, ``centre``), ``triangleI.H`` (``sweptVol``) of OpenFOAM v1912.
+``face.C`` (``sweptVol``, ``centre``), ``triangleI.H`` (``sweptVol``) of OpenFOAM v1912. In v2012
+the first two became ``primitiveMeshTools.C``; up to v2606 the formulas are the same, from v2512 on
+with another order of sums.
 """
 
 from __future__ import annotations
@@ -19,8 +21,7 @@ def face_centres_and_areas(corner: Array) -> tuple[Array, Array]:
     """Return centres (F, 3) [m] and area vectors (F, 3) [m^2] of ``corner`` (F, 4, 3) [m].
 
     The corners are those of quadrilaterals. The fan's apex is the mean of the corners; the centre
-    weighs its triangles by the magnitudes of their areas, as v1912 does (later versions by their
-    parts along the face's normal).
+    weighs its triangles by the magnitudes of their areas.
     """
     centre, area = np.empty((len(corner), 3)), np.empty((len(corner), 3))
     kernels.fans(corner, centre, area)

@@ -47,6 +47,11 @@ def build_solver(openfoam: OpenFoam, *, say: Callable[[str], None] = lambda _: N
             path.write_text(text, encoding="utf-8")
         if all((openfoam.project_dir / part).is_dir() for part in ("src", "wmake")):
             built = _by_wmake(place, say)
+        elif (openfoam.project_dir / "platforms").is_dir():
+            raise BuildFailed(
+                f"{openfoam.project_dir}: has no src/ and wmake/ to build against. Install them "
+                "(of OpenCFD's packages those with -dev and -source in their names)."
+            )
         else:
             built = _by_compiler(place, openfoam, say)
         _check_loads(built, openfoam)
@@ -118,7 +123,7 @@ def _run(command: list[str], environment: dict[str, str]) -> None:
         tail = "\n".join(f"    {line}" for line in (errors or done.stdout.splitlines())[:LOG_TAIL])
         raise BuildFailed(
             f"{command[0]} ended with exit status {done.returncode}. The solver is written for "
-            f"OpenFOAM v1912; runs go on without it.\n{tail}"
+            f"OpenFOAM v1912 to v2606 of openfoam.com.\n{tail}"
         )
 
 

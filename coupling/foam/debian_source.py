@@ -142,7 +142,7 @@ def unpack_headers(tarball: Path, into: Path) -> list[Path]:
 
 def _target(path: PurePosixPath) -> str | None:
     """Where a file of the source belongs among the headers, if it does."""
-    if path.suffix not in (".H", ".C", ".h"):
+    if path.suffix not in (".H", ".C", ".h", ".hxx", ".txx"):
         return None
     if path.parent == PurePosixPath(_SOLVER):
         return f"solver/{path.name}" if path.suffix == ".H" else None

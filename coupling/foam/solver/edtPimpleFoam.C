@@ -9,6 +9,9 @@
 #include "pimpleControl.H"
 #include "CorrectPhi.H"
 #include "fvOptions.H"
+#if OPENFOAM >= 2112
+#include "localEulerDdtScheme.H"  // of the stock createFields.H
+#endif
 
 #include "coupler.H"
 #include "stepTime.H"

@@ -90,6 +90,13 @@ def test_openfoam_with_sources_takes_wmake(openfoam, monkeypatch, tmp_path):
         build_solver(openfoam)
 
 
+def test_openfoam_of_its_own_without_sources_is_named(openfoam):
+    """Debian's source package would be of another version."""
+    (openfoam.project_dir / "platforms").mkdir()
+    with pytest.raises(BuildFailed, match=r"foam: has no src/ and wmake/.*-dev and -source"):
+        build_solver(openfoam)
+
+
 def test_compiler_that_fails_is_quoted(openfoam, monkeypatch, tmp_path):
     compiler = tmp_path / "g++"
     compiler.write_text("#!/bin/sh\necho note; echo 'x.H:3: error: of the test' >&2; exit 1\n")
@@ -122,6 +129,8 @@ def test_headers_are_laid_out_as_the_compiler_wants_them(tmp_path):
     source = tarball(tmp_path, {
         "src/finiteVolume/deep/down/fvCFD.H": "a",
         "src/finiteVolume/deep/fvMesh.C": "b",
+        "src/finiteVolume/deep/fvPatchField.txx": "e",  # bodies of templates in newer versions
+        "src/finiteVolume/deep/fvPatch.cxx": "no",
         "src/finiteVolume/Make/files": "no",
         "src/finiteVolumeOther/x.H": "no",
         "src/transportModels/incompressible/transportModel/transportModel.H": "c",
@@ -135,6 +144,7 @@ def test_headers_are_laid_out_as_the_compiler_wants_them(tmp_path):
     assert found == {
         "finiteVolume/fvCFD.H": "a",
         "finiteVolume/fvMesh.C": "b",
+        "finiteVolume/fvPatchField.txx": "e",
         "transportModels/incompressible/transportModel/transportModel.H": "c",
         "solver/UEqn.H": "d",
     }

@@ -105,20 +105,22 @@ public:
         Base(from, patch, inner, mapper)
     {}
 
+#if OPENFOAM < 2606  // later ones copy no field without the inner one
     acceleratingWallPressureFvPatchScalarField(const This& from)
     :
         Base(from)
-    {}
-
-    acceleratingWallPressureFvPatchScalarField(const This& from, const Inner& inner)
-    :
-        Base(from, inner)
     {}
 
     virtual tmp<fvPatchScalarField> clone() const
     {
         return tmp<fvPatchScalarField>(new This(*this));
     }
+#endif
+
+    acceleratingWallPressureFvPatchScalarField(const This& from, const Inner& inner)
+    :
+        Base(from, inner)
+    {}
 
     virtual tmp<fvPatchScalarField> clone(const Inner& inner) const
     {

@@ -68,20 +68,22 @@ public:
         Base(from, patch, inner, mapper)
     {}
 
+#if OPENFOAM < 2606  // later ones copy no field without the inner one
     slidingWallVelocityFvPatchVectorField(const This& from)
     :
         Base(from)
-    {}
-
-    slidingWallVelocityFvPatchVectorField(const This& from, const Inner& inner)
-    :
-        Base(from, inner)
     {}
 
     virtual tmp<fvPatchVectorField> clone() const
     {
         return tmp<fvPatchVectorField>(new This(*this));
     }
+#endif
+
+    slidingWallVelocityFvPatchVectorField(const This& from, const Inner& inner)
+    :
+        Base(from, inner)
+    {}
 
     virtual tmp<fvPatchVectorField> clone(const Inner& inner) const
     {
