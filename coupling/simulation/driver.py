@@ -23,7 +23,8 @@ from coupling.simulation.mends import with_mend
 from coupling.simulation.participants import Participants
 from coupling.store.atomic import write_json
 from coupling.store.iteration_log import IterationLog
-from coupling.store.results import ResultsWriter, read_results
+from coupling.store.results import read_results
+from coupling.store.results_writer import ResultsWriter
 from coupling.store.resumption import SavedRun, save_run, saved_run
 from coupling.store.run_log import process_settings, run_log
 from coupling.store.run_record import SUMMARY, RunStatistics

@@ -38,23 +38,36 @@ def replacing(path: Path) -> Iterator[Path]:
     RunFailed
         The file cannot be written (disk full, no permission ...).
     """
-    beside = path.with_name(f".{path.name}.partial")
+    part = beside(path)
     try:
-        yield beside
-        _sync(beside)
-        beside.replace(path)
+        with writing(path):
+            yield part
+            synced(part)
+            part.replace(path)
+    finally:
+        discard(part)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn what the system or HDF5 raise while ``path`` is written into ``RunFailed``."""
+    try:
+        yield
     except (OSError, RuntimeError) as error:
         if isinstance(error, RuntimeError) and "errno = " not in str(error):
             raise
         raise _failure(path, error) from error  # HDF5 fails with either
-    finally:
-        _discard(beside)
+
+
+def beside(path: Path) -> Path:
+    """Return the name, in the folder of ``path``, of a file that is not whole yet."""
+    return path.with_name(f".{path.name}.partial")
 
 
 def write_text(path: Path, text: str) -> None:
     """Write a small text file whole or not at all."""
-    with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -94,7 +107,8 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _sync(path: Path) -> None:
+def synced(path: Path) -> None:
+    """Return when the file is on the disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
@@ -102,7 +116,8 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def _discard(path: Path) -> None:
+def discard(path: Path) -> None:
+    """Remove the file, if it is there and can be removed."""
     try:
         path.unlink(missing_ok=True)
     except OSError:  # the first error says more

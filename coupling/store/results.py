@@ -1,34 +1,20 @@
-"""What a run leaves behind: ``results.h5``, readable at any moment, also after a kill.
-
-Samples gather in memory; the file is copied, the copy extended and given the file's name. So the
-file with the name is always whole, and its copy costs disk space once more while it is written.
-"""
+"""What a run leaves behind: ``results.h5``, readable at any moment, also after a kill."""
 
 from __future__ import annotations
 
-import shutil
-import time as clock
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import h5py
-import numpy as np
 
 from coupling.ports import Array, Ints
 from coupling.store import results_layout as layout
-from coupling.store import xdmf
-from coupling.store.atomic import H5_ERRORS, UnreadableFile, replacing, write_text
-from coupling.store.results_head import FILE, read_times
-from coupling.store.run_record import Sample
+from coupling.store.atomic import H5_ERRORS, UnreadableFile
+from coupling.store.results_head import FILE
 
 if TYPE_CHECKING:
     import xarray as xr
-
-XDMF_FILE = "results.xdmf"
-
-_WRITING_SHARE = 20.0  # wall time between two writings, over the cost of one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,136 +94,3 @@ def read_results(folder: Path | str) -> Results:
         raise UnreadableFile(
             f"{path}: not a results file ({error}). Run the scene again."
         ) from error
-
-
-class ResultsWriter:
-    """Writes ``results.h5`` and ``results.xdmf``; the files are whole whenever they are looked at.
-
-    Writing takes about 5 % of the wall time at most: samples wait in memory until the time since
-    the last writing is 20 times its cost, or until ``flush``. The first is written at once.
-    """
-
-    def __init__(self, folder: Path | str, *, written: int = 0) -> None:
-        self._folder = Path(folder)
-        self._path = self._folder / FILE
-        self._waiting: list[Sample] = []
-        self._written = written  # samples that stand in the file
-        self._last_flush, self._cost = -np.inf, 0.0  # [s]
-
-    @classmethod
-    def create(
-        cls,
-        folder: Path | str,
-        *,
-        scene_toml: str,
-        model: str,
-        reference: Array,
-        triangles: Ints,
-        scene_hash: str = "",
-    ) -> ResultsWriter:
-        """Begin a folder's results; those of an earlier run are lost.
-
-        Parameters
-        ----------
-        folder
-            The run's folder, made if need be.
-        scene_toml, model, scene_hash
-            The scene's text, its fluid model and its hash, kept as attributes.
-        reference, triangles
-            The diaphragm's nodes as moulded (n, 3) [m] and the nodes of each triangle (m, 3).
-
-        Returns
-        -------
-        ResultsWriter
-            A writer without samples.
-        """
-        writer = cls(folder)
-        writer._folder.mkdir(parents=True, exist_ok=True)
-        (writer._folder / XDMF_FILE).unlink(missing_ok=True)  # of an earlier run
-        with replacing(writer._path) as beside, h5py.File(beside, "w") as file:
-            attributes = {
-                "version": _version(), "model": model, "scene": scene_toml,
-                "scene_hash": scene_hash,
-            }  # fmt: skip
-            layout.create(file, attributes, reference, triangles)
-        return writer
-
-    @classmethod
-    def resume(
-        cls, folder: Path | str, *, until: float, scene_toml: str | None = None
-    ) -> ResultsWriter:
-        """Go on with a folder's results after dropping the samples later than ``until`` [s].
-
-        ``scene_toml`` stands for the one that is in the file, if given.
-
-        Raises
-        ------
-        UnreadableFile
-            The folder has no readable results.
-        """
-        times = read_times(folder)
-        keep = int(np.searchsorted(times, until + 1e-9 * max(1.0, abs(until)), side="right"))
-        writer = cls(folder, written=keep)
-        if keep < len(times) or scene_toml is not None:
-            # the list of times first: it must never name what results.h5 lacks
-            writer._write_xdmf(times[:keep], *_sizes(writer._path))
-            with replacing(writer._path) as beside:
-                shutil.copyfile(writer._path, beside)
-                with h5py.File(beside, "r+") as file:
-                    layout.truncate(file, keep)
-                    if scene_toml is not None:
-                        file.attrs["scene"] = scene_toml
-        return writer
-
-    @property
-    def rows(self) -> int:
-        """Number of samples taken."""
-        return self._written + len(self._waiting)
-
-    def append(self, sample: Sample) -> None:
-        """Take one instant; it is in the file after the next ``flush`` at the latest."""
-        self._waiting.append(sample)
-        if clock.perf_counter() - self._last_flush > _WRITING_SHARE * self._cost:
-            self.flush()
-
-    def flush(self) -> None:
-        """Write what waits.
-
-        Raises
-        ------
-        RunFailed
-            The disk is full or cannot be written; the former files stay as they were.
-        """
-        if not self._waiting:
-            return
-        begin = clock.perf_counter()
-        with replacing(self._path) as beside:
-            shutil.copyfile(self._path, beside)
-            # Without a cache of chunks a full disk is an OSError here, not a crash on the way out.
-            with h5py.File(beside, "r+", rdcc_nbytes=0) as file:
-                layout.extend(file, self._written, self._waiting)
-                times = file["time"][()]
-        self._written += len(self._waiting)
-        self._waiting.clear()
-        self._write_xdmf(times, *_sizes(self._path))
-        self._last_flush = clock.perf_counter()
-        self._cost = self._last_flush - begin
-
-    def close(self) -> None:
-        """Write what waits; the writer may not be used afterwards."""
-        self.flush()
-
-    def _write_xdmf(self, times: Array, nodes: int, triangles: int) -> None:
-        write_text(self._folder / XDMF_FILE, xdmf.document(FILE, times, nodes, triangles))
-
-
-def _version() -> str:
-    try:
-        return version("diaphragm-tank")
-    except PackageNotFoundError:  # run from the tree
-        return "unknown"
-
-
-def _sizes(path: Path) -> tuple[int, int]:
-    with h5py.File(path, "r") as file:
-        return len(file["diaphragm/reference"]), len(file["diaphragm/triangles"])

@@ -7,6 +7,10 @@ the group ``instants`` of ``results.h5``: virtual datasets, views of 1 kB onto t
 
 from __future__ import annotations
 
+import os
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -15,6 +19,9 @@ from coupling.ports import Array
 
 _AT_NODES = ("pressure", "dynamic_pressure", "shell_slip", "self_slip")
 _AT_TRIANGLES = ("strain", "tension")
+_END = "</Grid>\n</Domain>\n</Xdmf>\n"
+_ROW = re.compile(rb"/instants/(\d+)/")
+_LONGEST = 16384  # bytes at the end of a document that hold an instant whole; one takes 2 kB
 _VIEWS = ("position", *_AT_NODES, *_AT_TRIANGLES)
 
 
@@ -51,14 +58,35 @@ def document(data_file: str, times: Array, nodes: int, triangles: int) -> str:
     ``TimeSeriesReader`` that read the geometry once. Without any instant the collection is empty,
     which meshio refuses to open.
     """
-    steps = "".join(
-        _instant(f"{data_file}:/instants/{row:06d}", data_file, float(time), nodes, triangles)
-        for row, time in enumerate(times)
-    )
     return (
         '<?xml version="1.0"?>\n<Xdmf Version="3.0">\n<Domain>\n'
         '<Grid Name="diaphragm" GridType="Collection" CollectionType="Temporal">\n'
-        f"{steps}</Grid>\n</Domain>\n</Xdmf>\n"
+        f"{_instants(data_file, 0, times, nodes, triangles)}{_END}"
+    )
+
+
+def extend(
+    path: Path, data_file: str, first: int, times: Sequence[float], nodes: int, triangles: int
+) -> None:
+    """Add to a document at ``path`` those of the rows from ``first`` on that it lacks.
+
+    ``times`` [s] are those of all these rows.
+    """
+    with path.open("r+b") as file:
+        file.seek(max(0, path.stat().st_size - _LONGEST))
+        named = _ROW.findall(file.read())
+        listed = int(named[-1]) + 1 if named else 0
+        file.seek(-len(_END), os.SEEK_END)
+        text = _instants(data_file, listed, times[listed - first :], nodes, triangles) + _END
+        file.write(text.encode())
+
+
+def _instants(
+    data_file: str, first: int, times: Iterable[float], nodes: int, triangles: int
+) -> str:
+    return "".join(
+        _instant(f"{data_file}:/instants/{row:06d}", data_file, float(time), nodes, triangles)
+        for row, time in enumerate(times, first)
     )
 
 

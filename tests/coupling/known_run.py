@@ -11,7 +11,7 @@ from scipy.spatial import Delaunay
 
 from coupling.ports import Array, Ints
 from coupling.scene.scene import Scene, scene_from
-from coupling.store.results import ResultsWriter
+from coupling.store.results_writer import ResultsWriter
 from coupling.store.run_record import RunStatistics, Sample
 
 RADIUS, FREQUENCY, AMPLITUDE, DENSITY, GRAVITY = 0.4, 1.25, 0.1, 1000.0, 9.81

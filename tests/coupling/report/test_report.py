@@ -30,7 +30,8 @@ from coupling.report.run_tables import quality_table, rubber_table
 from coupling.report.section_cut import cut
 from coupling.scene.scene import Scene, scene_toml
 from coupling.store.atomic import write_json
-from coupling.store.results import ResultsWriter, read_results
+from coupling.store.results import read_results
+from coupling.store.results_writer import ResultsWriter
 from coupling.store.run_record import RunStatistics
 
 

@@ -12,7 +12,8 @@ from PIL import Image, ImageSequence
 
 from coupling.ports import Array, RunFailed
 from coupling.report import render_video
-from coupling.store.results import Results, ResultsWriter, read_results
+from coupling.store.results import Results, read_results
+from coupling.store.results_writer import ResultsWriter
 
 STEP, PERIOD = 0.08, 10  # s, and instants in the period of 0.8 s
 

@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 
 from coupling.ports import RunFailed
-from coupling.store.results import ResultsWriter, read_results
+from coupling.store.results import read_results
 from coupling.store.results_layout import FIELDS
+from coupling.store.results_writer import ResultsWriter
 
 REFERENCE, TRIANGLES = run.disc()
 
@@ -135,7 +136,7 @@ def test_a_folder_without_results_is_refused_with_the_mend(tmp_path: Path) -> No
 WRITE_FOR_EVER = """
 import itertools, sys
 import known_run as run
-from coupling.store.results import ResultsWriter
+from coupling.store.results_writer import ResultsWriter
 reference, triangles = run.disc(20)
 writer = ResultsWriter.create(
     sys.argv[1], scene_toml="", model="m", reference=reference, triangles=triangles
@@ -176,7 +177,8 @@ FILL = """
 import itertools, resource, signal, sys
 import known_run as run
 from coupling.ports import RunFailed
-from coupling.store.results import ResultsWriter, read_results
+from coupling.store.results import read_results
+from coupling.store.results_writer import ResultsWriter
 if int(sys.argv[2]):
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
