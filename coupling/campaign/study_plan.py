@@ -149,18 +149,17 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     variants = {COARSER: grid} if _is_valid(grid) else {}
     if scene.cloth.grid == "thesis":
         return variants
-    every, kept = scene.time.output_every, scene.time.checkpoint_every
+    every = scene.time.output_every
     doubled = _with(
         scene,
         "time",
         step=2.0 * scene.time.step,
         output_every=every // 2 if every % 2 == 0 else every,
-        checkpoint_every=max(1, kept // 2),
     )
     if _is_valid(doubled):
         return variants | {DOUBLED: doubled}
     step = 0.5 * scene.time.step
-    halved = _with(scene, "time", step=step, output_every=2 * every, checkpoint_every=2 * kept)
+    halved = _with(scene, "time", step=step, output_every=2 * every)
     return variants | {HALVED: halved}
 
 

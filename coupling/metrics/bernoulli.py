@@ -8,6 +8,7 @@ import numpy as np
 
 from coupling.estimate.numbers import potential_to_kinetic
 from coupling.ports import Array, Ints
+from coupling.store.stored_rows import blocks
 
 
 def effective_gravity(gravity: Array, tank_acceleration: Array) -> float:
@@ -82,10 +83,13 @@ def dynamic_fraction(
     """
     if len(position) == 0:
         return None
-    weight = node_areas(position, triangles)
-    hydrostatic = density * np.einsum("tni,ti->tn", position, body_force)
-    reference = weighted_rms(hydrostatic, weight)
-    return _over(weighted_rms(dynamic_pressure, weight), reference)
+    squares = []
+    for instants, dynamic, pull in blocks(position, dynamic_pressure, body_force):
+        weight = node_areas(instants, triangles)
+        hydrostatic = density * np.einsum("tni,ti->tn", instants, pull)
+        squares.append((_mean_squares(dynamic, weight), _mean_squares(hydrostatic, weight)))
+    rms = [float(np.sqrt(np.concatenate(part).mean())) for part in zip(*squares, strict=True)]
+    return _over(rms[0], rms[1])
 
 
 PARTS = {
@@ -164,9 +168,15 @@ def weighted_rms(values: Array, weight: Array) -> float:
     float
         The rms over nodes and instants, in the unit of ``values``.
     """
+    return float(np.sqrt(_mean_squares(values, weight).mean()))
+
+
+def _mean_squares(values: Array, weight: Array) -> Array:
+    """Weighted mean squares (T,) of ``values`` less their mean at each instant."""
     total = weight.sum(axis=1, keepdims=True)
     mean = (values * weight).sum(axis=1, keepdims=True) / total
-    return float(np.sqrt((weight * (values - mean) ** 2 / total).sum(axis=1).mean()))
+    squares: Array = (weight * (values - mean) ** 2 / total).sum(axis=1)
+    return squares
 
 
 def thesis_estimates(

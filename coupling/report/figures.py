@@ -23,6 +23,7 @@ from coupling.report.style import (
     svg,
     thinned,
 )
+from coupling.store.stored_rows import blocks
 
 _SMALL = 0.01  # a component below this share of the largest one is left out
 _ABREAST = 3  # names of models in a row of a legend
@@ -71,7 +72,7 @@ def node_pressure_figure(run: RunFiles) -> Picture:
     """Return a picture of p* and the hydrostatic pressure at the node where p* is largest."""
     results = run.results
     shown = results.dynamic_pressure if run.has_flow else results.pressure
-    node = int(np.argmax(np.abs(shown).max(axis=0)))
+    node = int(np.argmax(np.max([np.abs(part).max(axis=0) for (part,) in blocks(shown)], axis=0)))
     dynamic = results.dynamic_pressure[:, node]
     hydrostatic = results.pressure[:, node] - dynamic
     figure = new_figure()
@@ -133,9 +134,10 @@ def mesh_figure(run: RunFiles) -> Picture | None:
 def strain_figure(run: RunFiles) -> Picture:
     """Return a picture of the largest tensile strain over time."""
     results = run.results
+    largest = np.concatenate([part.max(axis=1) for (part,) in blocks(results.strain)])
     figure = new_figure()
     axes = figure.subplots()
-    axes.plot(*thinned(results.time, 100.0 * results.strain.max(axis=1)), color=INK)
+    axes.plot(*thinned(results.time, 100.0 * largest), color=INK)
     axes.set_ylim(bottom=0.0)
     axes.set(xlabel="time (s)", ylabel="largest tensile strain (%)")
     text = "Largest principal tensile strain of all triangles."

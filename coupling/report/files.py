@@ -14,8 +14,9 @@ from coupling.metrics.summary import summarise
 from coupling.ports import Array
 from coupling.scene.scene import Scene, load_scene
 from coupling.store.iteration_log import read_iterations
-from coupling.store.results import Results, read_results
+from coupling.store.results import Results, open_results
 from coupling.store.run_record import RunStatistics, read_summary
+from coupling.store.stored_rows import blocks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +54,7 @@ def read_run(folder: Path) -> RunFiles:
 
     Raises UnreadableFile or SceneError where results or scene cannot be read.
     """
-    results, scene = read_results(folder), load_scene(folder)
+    results, scene = open_results(folder), load_scene(folder)
     summary, iterations = read_summary(folder), read_iterations(folder)
     if not summary:
         counted = _counted(results, scene, iterations)
@@ -78,14 +79,20 @@ def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics
         if name in results.metrics
     }
     simulated = float(results.time[-1])
-    stress = results.tension / _thickness(results, scene)
+    thickness = _thickness(results, scene)
+    largest_of = np.array(
+        [
+            (strain.max(), tension.max(), (tension / thickness).max())
+            for strain, tension in blocks(results.strain, results.tension)
+        ]
+    ).max(axis=0)
     return RunStatistics(
         steps=round(simulated / scene.time.step),
         simulated_s=simulated,
         wall_s=float(iterations[:, 3].sum()),
-        strain_tensile_max=float(results.strain.max(initial=0.0)),
-        tension_max=float(results.tension.max(initial=0.0)),
-        stress_max=float(stress.max(initial=0.0)),
+        strain_tensile_max=max(0.0, float(largest_of[0])),
+        tension_max=max(0.0, float(largest_of[1])),
+        stress_max=max(0.0, float(largest_of[2])),
         volume_error_max=float(np.abs(results.volume / scene.liquid_volume - 1.0).max()),
         iterations_total=int(per_step.sum()),
         iterations_max=int(per_step.max(initial=0)),
@@ -106,9 +113,13 @@ def pressure_rms(run: RunFiles) -> tuple[Array, Array]:
     """rms over the interface (T,) [Pa] of p* and of the hydrostatic pressure, means removed."""
     results = run.results
     body_force = np.array(run.scene.gravity) - results.tank_acceleration
-    hydrostatic = run.scene.liquid.density * np.einsum("tni,ti->tn", results.position, body_force)
-    weight = node_areas(results.position, results.triangles)
-    return _rms(results.dynamic_pressure, weight), _rms(hydrostatic, weight)
+    found = []
+    for position, pull, dynamic in blocks(results.position, body_force, results.dynamic_pressure):
+        hydrostatic = run.scene.liquid.density * np.einsum("tni,ti->tn", position, pull)
+        weight = node_areas(position, results.triangles)
+        found.append((_rms(dynamic, weight), _rms(hydrostatic, weight)))
+    dynamic_rms, hydrostatic_rms = (np.concatenate(part) for part in zip(*found, strict=True))
+    return dynamic_rms, hydrostatic_rms
 
 
 def _rms(values: Array, weight: Array) -> Array:

@@ -48,10 +48,13 @@ def render_picture(results: Results, path: Path | str) -> Path:
 
 
 class PressureColours:
-    """Colours of the nodes' pressure, the same at all instants; ``label`` says what it is."""
+    """Colours of the nodes' pressure, the same at all instants; ``label`` says what it is.
 
-    def __init__(self, values: Array, label: str, *, diverging: bool) -> None:
-        self.values, self.label = values, label
+    ``values`` (n,) [kPa] by the row of the instant.
+    """
+
+    def __init__(self, rows: list[int], values: Array, label: str, *, diverging: bool) -> None:
+        self.values, self.label = dict(zip(rows, values, strict=True)), label
         # the few largest values would leave the rest without colour
         top = float(np.quantile(np.abs(values), 0.99)) if values.size else 1.0
         low, high = (-top, top) if diverging else (float(np.min(values, initial=0.0)), top)
@@ -63,17 +66,14 @@ class PressureColours:
 
 
 def pressure_colours(results: Results, rows: list[int]) -> PressureColours:
-    """p* where there is any, else the net pressure; ``values`` (T, n) [kPa]."""
-    dynamic = results.dynamic_pressure
+    """p* at the instants of ``rows`` where there is any, else the net pressure."""
+    pressure, dynamic = results.pressure[rows], results.dynamic_pressure[rows]
     if np.any(dynamic):
-        rounding = _ROUNDING * np.abs(results.pressure).max()
+        rounding = _ROUNDING * np.abs(pressure).max()
         dynamic = np.where(np.abs(dynamic) > rounding, dynamic, 0.0)
-        colours = PressureColours(dynamic[rows] / 1e3, "dynamic pressure p* (kPa)", diverging=True)
-        colours.values = dynamic / 1e3
-        return colours
-    colours = PressureColours(results.pressure[rows] / 1e3, "net pressure (kPa)", diverging=False)
-    colours.values = results.pressure / 1e3
-    return colours
+        label = "dynamic pressure p* (kPa)"
+        return PressureColours(rows, dynamic / 1e3, label, diverging=True)
+    return PressureColours(rows, pressure / 1e3, "net pressure (kPa)", diverging=False)
 
 
 def pressure_scale(figure: Any, place: tuple[float, ...], colours: PressureColours) -> None:

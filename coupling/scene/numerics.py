@@ -185,8 +185,12 @@ class Time(Section):
     output_every: int = Field(
         default=4, ge=1, le=MOST, description="number of steps between outputs"
     )
-    checkpoint_every: int = Field(
-        default=50, ge=1, le=MOST, description="number of steps between checkpoints"
+    checkpoint_every: int | None = Field(
+        default=None,
+        ge=1,
+        le=MOST,
+        description="largest number of steps between checkpoints, which are taken as often as 2 % "
+        "of the wall time allows in any case",
     )
     periods: float | None = Field(
         default=None, gt=0, description="number of the sine's periods to simulate"

@@ -23,7 +23,8 @@ from coupling.simulation.mends import with_mend
 from coupling.simulation.participants import Participants
 from coupling.store.atomic import write_json
 from coupling.store.iteration_log import IterationLog
-from coupling.store.results import read_results
+from coupling.store.pace import Pace
+from coupling.store.results import open_results
 from coupling.store.results_writer import ResultsWriter
 from coupling.store.resumption import SavedRun, save_run, saved_run
 from coupling.store.run_log import process_settings, run_log
@@ -31,6 +32,7 @@ from coupling.store.run_record import SUMMARY, RunStatistics
 from coupling.store.scene_file import write_scene
 
 Progress = Callable[[str, float, float, str], None]
+_CHECKPOINT_SHARE = 0.02  # of the wall time: a kill loses at most 50 times what one costs
 _log = logging.getLogger(__name__)
 
 
@@ -90,6 +92,7 @@ class _Run:
             if saved is None
             else IterationLog.resume(folder, until=saved.step * scene.time.step)
         )
+        self.pace = Pace(_CHECKPOINT_SHARE)
         self.clock = perf_counter()
 
     def _begun_results(self) -> ResultsWriter:
@@ -156,9 +159,15 @@ class _Run:
             self.tally.statistics.simulated_s = after
             if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
                 self._write(after, report)
-            if (step + 1) % time.checkpoint_every == 0 or step + 1 == time.steps:
+            if self._checkpoint_due(step + 1):
                 self._save(step + 1)
             self.progress("shake", after, time.end, self._text(report))
+
+    def _checkpoint_due(self, step: int) -> bool:
+        """Whether the state after so many steps is to be kept on the disk."""
+        most = self.scene.time.checkpoint_every
+        by_steps = most is not None and step % most == 0
+        return step == self.scene.time.steps or by_steps or self.pace.due
 
     def _text(self, report: StepReport) -> str:
         if not report.samples:
@@ -181,14 +190,15 @@ class _Run:
     def _save(self, step: int) -> None:
         """Results first, then the checkpoint: it never knows more than they do."""
         clock = perf_counter()
-        self.results.flush()
-        parts = self.sides.save() | {"energy": self.energy.save()}
+        with self.pace.timed():
+            self.results.flush()
+            parts = self.sides.save() | {"energy": self.energy.save()}
+            self.tally.statistics.wall_s = perf_counter() - self.clock
+            save_run(
+                self.folder, self.content, step=step, rows=self.results.rows, parts=parts,
+                statistics=self.tally.statistics.to_dict(),
+            )  # fmt: skip
         self.tally.seconds("output", clock)
-        self.tally.statistics.wall_s = perf_counter() - self.clock
-        save_run(
-            self.folder, self.content, step=step, rows=self.results.rows, parts=parts,
-            statistics=self.tally.statistics.to_dict(),
-        )  # fmt: skip
 
     def _guarded(self, body: Callable[[], None]) -> dict[str, Any]:
         """Run ``body`` and write the summary, however it ends."""
@@ -213,7 +223,7 @@ class _Run:
         self.iterations.close()
         self.sides.close()
         self.tally.statistics.wall_s = perf_counter() - self.clock
-        results = read_results(self.folder)
+        results = open_results(self.folder)
         summary = summarise(results, self.tally.statistics, self.scene, status, error)
         write_json(self.folder / SUMMARY, summary)
         return summary

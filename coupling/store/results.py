@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
@@ -12,6 +14,7 @@ from coupling.ports import Array, Ints
 from coupling.store import results_layout as layout
 from coupling.store.atomic import H5_ERRORS, UnreadableFile
 from coupling.store.results_head import FILE
+from coupling.store.stored_rows import StoredRows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,23 +77,44 @@ def read_results(folder: Path | str) -> Results:
     UnreadableFile
         There is none, it is cut, or it is not one of ours.
     """
-    path = Path(folder) / FILE
+    with _readable(Path(folder) / FILE) as path, h5py.File(path, "r") as file:
+        return _results(file, lambda _, dataset: dataset[()])
+
+
+def open_results(folder: Path | str) -> Results:
+    """As ``read_results``, with all that is over nodes or triangles and time left on the disk.
+
+    Those fields are ``StoredRows``, which read what is asked of them; the file stays open as long
+    as one of them is kept.
+    """
+    with _readable(Path(folder) / FILE) as path:
+        return _results(
+            h5py.File(path, "r"),
+            lambda name, dataset: StoredRows(dataset) if layout.is_field(name) else dataset[()],
+        )
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[Path]:
     if not path.is_file():
         raise UnreadableFile(f"{path}: no such file. Give the folder that `edt run` wrote to.")
     try:
-        with h5py.File(path, "r") as file:
-            metrics = file["metrics"]
-            return Results(
-                model=str(file.attrs["model"]),
-                version=str(file.attrs["version"]),
-                scene_toml=str(file.attrs["scene"]),
-                triangles=file["diaphragm/triangles"][()],
-                reference=file["diaphragm/reference"][()],
-                metrics={name: metrics[name][()] for name in metrics},
-                metric_units={name: str(metrics[name].attrs["unit"]) for name in metrics},
-                **{name: file[dataset][()] for dataset, (name, _) in layout.FIELDS.items()},
-            )
+        yield path
     except H5_ERRORS as error:
         raise UnreadableFile(
             f"{path}: not a results file ({error}). Run the scene again."
         ) from error
+
+
+def _results(file: Any, taken: Callable[[str, Any], Any]) -> Results:
+    metrics = file["metrics"]
+    return Results(
+        model=str(file.attrs["model"]),
+        version=str(file.attrs["version"]),
+        scene_toml=str(file.attrs["scene"]),
+        triangles=file["diaphragm/triangles"][()],
+        reference=file["diaphragm/reference"][()],
+        metrics={name: metrics[name][()] for name in metrics},
+        metric_units={name: str(metrics[name].attrs["unit"]) for name in metrics},
+        **{name: taken(name, file[dataset]) for dataset, (name, _) in layout.FIELDS.items()},
+    )

@@ -101,6 +101,11 @@ def dims_of(name: str) -> tuple[str, ...]:
     return _DIMS.get(name, ())
 
 
+def is_field(name: str) -> bool:
+    """Whether a row of a field is over the nodes or triangles, by its name in ``Results``."""
+    return not {"node", "triangle"}.isdisjoint(dims_of(name))
+
+
 def _dataset(file: Any, name: str, values: Any, unit: str) -> None:
     file.create_dataset(name, data=values).attrs["unit"] = unit
 
