@@ -7,7 +7,17 @@ import sys
 from pathlib import Path
 
 import pytest
+from small_scene import SMALL
 
+SHORT = """\
+[model]
+fluid = "hydrostatic"
+[cloth]
+resolution = 6
+[time]
+duration = 0.02
+step = 0.01
+"""
 CASE = Path(__file__).parents[3] / "foam_cases" / "pad_sway_coarse"
 # Each takes a tenth of a second of CPU or more.
 COMPUTING = {
@@ -46,3 +56,10 @@ def test_checking_a_scene_imports_no_solver() -> None:
 
 def test_importing_the_package_imports_nothing_else() -> None:
     assert not imported("import coupling") & (COMPUTING | {"numpy", "pydantic", "typer"})
+
+
+def test_a_run_without_a_report_imports_nothing_that_draws(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(f"{SMALL}{SHORT}")
+    found = edt("run", tmp_path, "-o", tmp_path / "run", "--no-report", "--json")
+    assert (tmp_path / "run" / "summary.json").is_file()
+    assert not found & {"matplotlib", "mpl_toolkits", "PIL"}

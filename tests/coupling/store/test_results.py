@@ -241,6 +241,50 @@ def test_a_full_disk_keeps_what_was_written(small_disk: Path) -> None:
     check_xdmf(small_disk)
 
 
+def test_nothing_is_written_more_than_twice(tmp_path: Path) -> None:
+    """Bytes for the second half of the rows, over what the file grows by meanwhile.
+
+    Twice the rows, and the file's own tables where they change, which are small. A file copied
+    whole at every writing would take 30, as many rows as it holds on average.
+    """
+    out = writer(tmp_path)
+
+    def written(first: int, last: int) -> tuple[int, int]:
+        for k in range(first, last):
+            out.append(run.sample(0.01 * k, REFERENCE, TRIANGLES))
+            out.flush()
+        said = Path("/proc/self/io").read_text().split("wchar: ")[1].split()[0]
+        return int(said), (tmp_path / "results.h5").stat().st_size
+
+    bytes_before, size_before = written(0, 20)
+    bytes_after, size_after = written(20, 40)
+    assert bytes_after - bytes_before < 6 * (size_after - size_before)
+
+
+def test_a_writing_that_got_half_way_is_made_up_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """``results.h5`` had its rows when ``results.xdmf`` found the disk full."""
+    out = writer(tmp_path)
+    for k in range(3):
+        out.append(run.sample(0.1 * k, REFERENCE, TRIANGLES))
+        out.flush()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    out._kept.append(run.sample(0.3, REFERENCE, TRIANGLES))  # append may write at once
+    with monkeypatch.context() as patch:
+        patch.setattr("coupling.store.xdmf.extend", full)
+        with pytest.raises(RunFailed, match="disk is full"):
+            out.flush()
+    assert len(read_results(tmp_path).time) == 4
+    assert not list(tmp_path.glob(".*"))
+    out.append(run.sample(0.4, REFERENCE, TRIANGLES))
+    out.close()
+    assert check_xdmf(tmp_path) == 5
+
+
 def test_writing_takes_a_small_share_of_a_step(tmp_path: Path) -> None:
     """Of CPU time, as others compute beside the tests; a small step takes 20 ms."""
     out = writer(tmp_path)
