@@ -10,7 +10,7 @@ import numpy as np
 
 from coupling.ports import Array
 
-BLOCK_BYTES = 2**22  # of all series together: small in memory, and many chunks of a file
+BLOCK_BYTES = 2**20  # of all series together: small in memory, and many chunks of a file
 
 
 class StoredRows:
