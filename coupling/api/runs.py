@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from coupling.api.start import Changes, Progress, check_installed, files_of, folder_for, scene_of
+from coupling.estimate.machine import remember_speed
 from coupling.ports import RunFailed
 from coupling.scene.choices import AUTO
 from coupling.scene.scene import Scene, load_scene
@@ -177,4 +178,5 @@ def _ended(folder: Path, summary: Mapping[str, Any], *, report: bool) -> Run:
             failure = failure or str(error)
     if failure:
         raise FailedRun(failure, done)
+    remember_speed()
     return done

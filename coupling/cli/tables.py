@@ -10,7 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from coupling.estimate.cost import run_time
+from coupling.estimate.cost import run_memory, run_time
 from coupling.estimate.model_errors import Choice, estimates
 from coupling.estimate.numbers import Numbers
 from coupling.estimate.strength import burst_warning
@@ -149,12 +149,16 @@ def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> 
 
 
 def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Estimated relative error of the CG motion and wall time [s] of each model for ``scene``.
+    """Estimated relative error of the CG motion, wall time [s] and memory of each model.
 
-    ``wall_s``: shortest and longest, see ``run_time``.
+    ``wall_s``: shortest and longest, see ``run_time``; ``memory_bytes``: see ``run_memory``.
     """
     return {
-        name: {**asdict(error), "wall_s": list(run_time(scene, name))}
+        name: {
+            **asdict(error),
+            "wall_s": list(run_time(scene, name)),
+            "memory_bytes": run_memory(scene, name),
+        }
         for name, error in estimates(scene).items()
     }
 
@@ -195,17 +199,18 @@ def print_check(
             figure(row["upper"], 2),
             ", ".join(row["outside"]) or "-",
             " to ".join(f"{seconds:.{int(seconds < 10.0)}f}" for seconds in row["wall_s"]),
+            f"{1e-6 * row['memory_bytes']:.0f}",
         )
         for name, row in model_estimates(scene).items()
     ]
     heads = (
         "fluid model", "error of the CG motion", "nine in ten below", "beyond the data",
-        "wall time [s]",
+        "wall time [s]", "memory [MB]",
     )  # fmt: skip
     print_table("estimates", heads, expected)
     print(
-        "Wall times are those of one free core as fast as this machine is now; where others "
-        "compute too, or the rubber slams often, they are longer."
+        "Wall times are those of one free core as fast as this machine's at its best; where others "
+        "compute too, or the rubber slams often, they are longer. A report takes some 50 MB more."
     )
     models = [scene.model.fluid] if scene.model.fluid in FLUIDS else list(FLUIDS)
     size = max(FLUIDS[name].fields_size(scene) for name in models)

@@ -1,83 +1,69 @@
-"""How long a run will take, roughly: to a factor of two, on a core that is free.
+"""How long a run will take, and how much memory: to a factor of 1.5, on a core that is free.
 
-All constants are CPU seconds of one core of the machine of the runs that ``test_cost`` holds the
-estimates against; ``slowness`` says how this machine compares. What a
-liquid adds to a step its fluid model says.
+All constants are CPU seconds of one core of the machine of ``tests/benchmarks/foreseen.py``, whose
+tables hold the estimates against runs; ``slowness`` says how this machine compares. What a liquid
+adds its fluid model says.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from time import process_time
+from dataclasses import dataclass
 
-import numpy as np
-from threadpoolctl import threadpool_limits
-
+from coupling.estimate.machine import slowness
 from coupling.fluids import FLUIDS
 from coupling.scene.scene import Scene
 
-_CLOTH_ITERATION = 6e-4  # an inner iteration of 24 rings, a step's overhead spread over ten
-_SETTLING = 11000  # inner iterations of a settling
-FACTOR = 2.0  # that an estimate may be off, either way
-_REFERENCE = 0.015  # [s] of ``_kernel`` on the machine of the constants above
+FACTOR = 1.5  # that an estimate may be off, either way
+
+_RINGS = 24.0  # of the grid that the next constants are for
+
+
+@dataclass(frozen=True)
+class _Growth:
+    """A cost that is ``fixed`` for any grid, and ``growing`` with a power of its rings."""
+
+    fixed: float
+    growing: float
+    power: float
+
+    def of(self, scene: Scene) -> float:
+        """The cost of the grid of ``scene``."""
+        return float(self.fixed + self.growing * (scene.cloth.rings / _RINGS) ** self.power)
+
+
+# By ``cloth.wrinkling``, CPU time [s]: the nodes grow with the square of the rings, and finer grids
+# take more iterations. Relaxed folds: fitted to 8, 16, 24 and 40 rings; resolved: to 24 and 42.
+_STEP = {"relaxed": _Growth(0.018, 0.100, 3.5), "resolved": _Growth(0.018, 0.050, 3.5)}
+_SETTLING = {"relaxed": _Growth(0.9, 7.7, 3.3), "resolved": _Growth(0.9, 2.4, 2.0)}
+_MEMORY = _Growth(290e6, 30e6, 2.0)  # bytes of the program with its libraries, and of the diaphragm
 
 
 def step_cost(scene: Scene, fluid: str) -> float:
-    """Estimated time of one step [s] with ``fluid`` in place of the scene's own model.
-
-    The cloth's share grows with its triangles and inner iterations, the flow's with its cells.
-    """
-    return FLUIDS[fluid].step_cost(scene, _iteration_cost(scene))
+    """Estimated CPU time of one step [s] with ``fluid`` in place of the scene's own model."""
+    return FLUIDS[fluid].step_cost(scene, _STEP[scene.cloth.wrinkling].of(scene))
 
 
-def _iteration_cost(scene: Scene) -> float:
-    return float(_CLOTH_ITERATION * (scene.cloth.rings / 24.0) ** 2.3)
+def start_cost(scene: Scene, fluid: str) -> float:
+    """Estimated CPU time [s] before the first step: of settling, and of a flow solver's start."""
+    model = FLUIDS[fluid]
+    settling = model.settling * _SETTLING[scene.cloth.wrinkling].of(scene)
+    return float(settling + model.start_cost(scene))
 
 
 def run_cost(scene: Scene, fluid: str) -> float:
-    """Estimated time of the whole run [s], settling (always without a flow) included."""
-    return _SETTLING * _iteration_cost(scene) + scene.time.steps * step_cost(scene, fluid)
+    """Estimated CPU time of the whole run [s]."""
+    return start_cost(scene, fluid) + scene.time.steps * step_cost(scene, fluid)
 
 
 def run_time(scene: Scene, fluid: str) -> tuple[float, float]:
     """Shortest and longest wall time [s] to expect of ``run_cost`` on a free core of this machine.
 
-    Takes a tenth of a second to see how fast the machine is just now.
+    Where no run has been here before, it takes a tenth of a second to see how fast the machine is.
     """
     likely = slowness() * run_cost(scene, fluid)
     return likely / FACTOR, likely * FACTOR
 
 
-@lru_cache(maxsize=1)
-def slowness() -> float:
-    """CPU time of this machine over that of the constants' one, for the same work.
-
-    The work is the elimination of a sparse matrix, as most of a step is; the least of three times
-    counts, which other programs disturb least.
-    """
-    return min(_kernel() for _ in range(3)) / _REFERENCE
-
-
-def _kernel() -> float:
-    """CPU time [s] of factoring and solving with a matrix of 3600 rows, the Laplacian of a square.
-
-    By block elimination with NumPy alone: SciPy's sparse solvers, by which the reference was
-    measured first, take longer to import than all else that ``edt check`` does. In 180 pairs, on a
-    machine with much else to do, this took 0.42 of their time, and 0.33 to 0.53 in eight of ten.
-    """
-    side = 60
-    line = 4.001 * np.identity(side) - np.eye(side, k=1) - np.eye(side, k=-1)
-    pivots, values = np.empty((side, side, side)), np.ones((side, side, 3))
-    with threadpool_limits(1):
-        start = process_time()
-        pivots[0] = np.linalg.inv(line)
-        for row in range(1, side):
-            pivots[row] = np.linalg.inv(line - pivots[row - 1])
-        for _ in range(10):
-            for row in range(1, side):
-                values[row] += pivots[row - 1] @ values[row - 1]
-            values[-1] = pivots[-1] @ values[-1]
-            for row in range(side - 2, -1, -1):
-                values[row] = pivots[row] @ (values[row] + values[row + 1])
-            values /= np.linalg.norm(values)
-        return process_time() - start
+def run_memory(scene: Scene, fluid: str) -> float:
+    """Most bytes of RAM that a run takes at once, its flow solver included, its report not."""
+    return float(_MEMORY.of(scene) + FLUIDS[fluid].memory(scene))

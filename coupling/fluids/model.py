@@ -83,6 +83,7 @@ class FluidModel:
     has_flow: ClassVar[bool] = False  # whether it computes p* at all
     has_viscosity: ClassVar[bool] = False
     keeps_volume: ClassVar[bool] = True  # of the liquid, whatever the diaphragm does
+    settling: ClassVar[float] = 1.0  # CPU time to settle over that with a volume kept
     coarser_text: ClassVar[str] = "half the triangles"  # what ``coarser`` has, for a table
     error_law: ClassVar[ErrorLaw | None] = None  # None: it has no data, and is not advised
     kernels_of: ClassVar[str | None] = None  # a quicker model with the same compiled kernels
@@ -120,13 +121,23 @@ class FluidModel:
         """What was found of the programs it needs, for ``edt info``."""
         return {}
 
-    def step_cost(self, scene: Scene, iteration: float) -> float:
-        """CPU time [s] of a step; ``iteration`` [s] is that of an inner iteration of the cloth.
+    def step_cost(self, scene: Scene, solve: float) -> float:
+        """CPU time [s] of a step; ``solve`` [s] is that of the diaphragm's step alone.
 
         On the machine of ``estimate.cost``, which says how others compare.
         """
         del scene
-        return CLOTH_ITERATIONS * iteration
+        return solve
+
+    def start_cost(self, scene: Scene) -> float:
+        """CPU time [s] to put the liquid below the settled diaphragm, on that machine."""
+        del scene
+        return 0.0
+
+    def memory(self, scene: Scene) -> float:
+        """Bytes of RAM that the liquid takes at once beside the diaphragm."""
+        del scene
+        return 0.0
 
     def cores(self, scene: Scene) -> int:
         """Number of cores that a run keeps busy."""
@@ -152,6 +163,3 @@ class FluidModel:
         """Bytes on disk that the flow's fields of a run take, 0 where the scene keeps none."""
         del scene
         return 0.0
-
-
-CLOTH_ITERATIONS = 40  # inner iterations of a solve of the cloth

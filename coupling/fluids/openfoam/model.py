@@ -8,7 +8,6 @@ from pathlib import Path
 from coupling.finite_volume.mesh import cells_halved, cells_made, half_ball
 from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
 from coupling.fluids.model import (
-    CLOTH_ITERATIONS,
     CoarserScene,
     ErrorLaw,
     FluidModel,
@@ -22,13 +21,19 @@ from coupling.schemes import SCHEMES
 ORDER = 1.5  # of the error in the cells' width: ``edt verify momentum`` has 1.6 on 540 and 1216
 CELLS, FEWER = 1300, 650  # asked of the mesh in the runs of the error data, and of the coarser one
 
-# CPU seconds on the machine of ``estimate.cost``; a step's with the scheme that takes the inertia
-_SOLVES = 3.0  # of cloth and flow in a step
+# CPU seconds on the machine of ``estimate.cost``, fitted to 540, 1216 and 4320 cells; a step's with
+# the scheme that takes the liquid's inertia.
+_SOLVES = 3.8  # of cloth and flow in a step, over a whole sway; its soft start takes 2
+_LATER = 0.8  # a solve of the cloth over that of a step without a flow: it starts nearer
 _RESTART = 0.09  # of the solver, for every iteration where it does not stay alive
-_ROWS = 120  # what the rows of the flow's inertia add to the cloth's step, in inner iterations
-_CELLS = 1216  # that the next two are for
-_INERTIA, _GROWTH = 0.05, 1.6  # the liquid's inertia by a sparse factor; its growth with the cells
-_FLOW_SOLVES = 0.045  # in a step of _SOLVES
+_CELLS, _GROWTH = 1216, 1.1  # that the next two are for, and how they grow with the cells
+_FLOW = 0.055  # an iteration's flow, its forces and its pressures
+_MESH = 0.3  # a step's inertia, map and mesh; a quarter of it without the inertia
+_START, _START_CELLS = 1.0, 0.4  # the solver's start, of any mesh and of _CELLS
+_PROCESS, _A_CELL = (
+    137e6,
+    165e3,
+)  # bytes of the solver's process, and what both sides keep of a cell
 
 
 class OpenFoamModel(FluidModel):
@@ -104,19 +109,26 @@ class OpenFoamModel(FluidModel):
             ),
         }
 
-    def step_cost(self, scene: Scene, iteration: float) -> float:
+    def step_cost(self, scene: Scene, solve: float) -> float:
         """Return the CPU time [s] of a step: of cloth, flow and, if the scheme takes it, inertia.
 
         Without the liquid's inertia it is that of the scheme's own number of iterations.
         """
         taken = SCHEMES[scene.coupling.scheme]
         solves = _SOLVES if taken.takes_inertia else taken.typical_iterations
-        size = cells_made(scene.openfoam.cells, scene.wall_spacing) / _CELLS
-        flow = solves * (_FLOW_SOLVES / _SOLVES * size + _RESTART * (not _stays_alive(scene)))
-        cloth = iteration * solves * CLOTH_ITERATIONS
-        if not taken.takes_inertia:
-            return float(cloth + flow)
-        return float(cloth + iteration * _ROWS + _INERTIA * size**_GROWTH + flow)
+        size = _size(scene) ** _GROWTH
+        flow = _FLOW * size + _RESTART * (not _stays_alive(scene))
+        mesh = (1.0 if taken.takes_inertia else 0.25) * _MESH * size
+        return float(solves * (_LATER * solve + flow) + mesh)
+
+    def start_cost(self, scene: Scene) -> float:
+        """Return the CPU time [s] of the solver's start with the scene's mesh."""
+        return _START + _START_CELLS * _size(scene)
+
+    def memory(self, scene: Scene) -> float:
+        """Return the bytes of RAM of the solver's processes, and of what is kept of the cells."""
+        cells = cells_made(scene.openfoam.cells, scene.wall_spacing)
+        return scene.openfoam.processors * _PROCESS + _A_CELL * cells
 
     def cores(self, scene: Scene) -> int:
         """Return the number of processes of the flow solver."""
@@ -156,6 +168,11 @@ def grid_error(distance: float) -> float:
     """Error of a run on CELLS, by Richardson's estimate, one on FEWER being ``distance`` off it."""
     wider = (cells_made(CELLS) / cells_made(FEWER)) ** (1.0 / 3.0)
     return float(distance / (wider**ORDER - 1.0))
+
+
+def _size(scene: Scene) -> float:
+    """Cells of the scene's mesh over those of the constants."""
+    return cells_made(scene.openfoam.cells, scene.wall_spacing) / _CELLS
 
 
 def _stays_alive(scene: Scene) -> bool:
