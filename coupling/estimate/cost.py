@@ -35,7 +35,7 @@ class _Growth:
 # take more iterations. Relaxed folds: fitted to 8, 16, 24 and 40 rings; resolved: to 24 and 42.
 _STEP = {"relaxed": _Growth(0.018, 0.100, 3.5), "resolved": _Growth(0.018, 0.050, 3.5)}
 _SETTLING = {"relaxed": _Growth(0.9, 7.7, 3.3), "resolved": _Growth(0.9, 2.4, 2.0)}
-_MEMORY = _Growth(290e6, 30e6, 2.0)  # bytes of the program with its libraries, and of the diaphragm
+_MEMORY = _Growth(325e6, 30e6, 2.0)  # bytes of the program with its libraries, and of the diaphragm
 
 
 def step_cost(scene: Scene, fluid: str) -> float:

@@ -27,13 +27,11 @@ _SOLVES = 3.8  # of cloth and flow in a step, over a whole sway; its soft start 
 _LATER = 0.8  # a solve of the cloth over that of a step without a flow: it starts nearer
 _RESTART = 0.09  # of the solver, for every iteration where it does not stay alive
 _CELLS, _GROWTH = 1216, 1.1  # that the next two are for, and how they grow with the cells
-_FLOW = 0.055  # an iteration's flow, its forces and its pressures
-_MESH = 0.3  # a step's inertia, map and mesh; a quarter of it without the inertia
+_FLOW = 0.045  # an iteration's flow, its forces and its pressures
+_MESH = 0.22  # a step's inertia, map and mesh; a quarter of it without the inertia
 _START, _START_CELLS = 1.0, 0.4  # the solver's start, of any mesh and of _CELLS
-_PROCESS, _A_CELL = (
-    137e6,
-    165e3,
-)  # bytes of the solver's process, and what both sides keep of a cell
+# Bytes of the solver's process, and what both sides keep of a cell.
+_PROCESS, _A_CELL = 160e6, 90e3
 
 
 class OpenFoamModel(FluidModel):

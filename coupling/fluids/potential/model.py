@@ -10,7 +10,7 @@ from coupling.motion.shaking import driving_frequency
 from coupling.ports import IterativeStructure, TimeStep
 from coupling.scene.scene import Scene
 
-_OWN = 0.013  # CPU time [s] that the potential adds to a step, on the machine of ``estimate.cost``
+_OWN = 0.02  # CPU time [s] that the potential adds to a step, on the machine of ``estimate.cost``
 
 
 class PotentialModel(FluidModel):
