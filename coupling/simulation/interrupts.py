@@ -39,8 +39,11 @@ def raise_interrupt() -> None:
 
 
 def _unraisable(dropped: sys.UnraisableHookArgs) -> None:
-    """Print no trace of an interrupt that Python drops: see ``raise_lost_interrupt``."""
-    if not (_raised and dropped.exc_type is KeyboardInterrupt):
+    """Print no trace of an interrupt that Python drops: see ``raise_lost_interrupt``.
+
+    Nor of what fails in the finalizers of what it has left half made.
+    """
+    if not _raised:
         _usual_hook(dropped)
 
 
