@@ -18,10 +18,11 @@ THICKNESS, MODULUS, FREQUENCY, AMPLITUDE, STEP = 0.004 * 0.4445, 8.6e6, 1.25, 0.
 def path(
     folder: Path, fluid: str, *, size: float = 1.0, gravity: float = 1.0, weight: float = 1.0
 ) -> np.ndarray:
-    """CG (T, 3) [-], over the radius, of a sway at the same Froude number and ratios of stiffness.
+    """CG (T, 3) [-], over the radius, of a sway at the same Froude, Reynolds and Cauchy numbers.
 
     ``size`` of the tank over 0.4445 m, ``gravity`` over 9.81 m/s^2, ``weight`` of both densities
-    over water's and rubber's. E goes with rho g R, times with sqrt(R/g).
+    over water's and rubber's. E goes with rho g R, times with sqrt(R/g), the viscosity with
+    R sqrt(g R).
     """
     slower = math.sqrt(size / gravity)
     scene = {
@@ -33,7 +34,11 @@ def path(
             "youngs_modulus": MODULUS * weight * gravity * size,
             "poisson_ratio": 0.5,
         },
-        "liquid": {"density": 1000.0 * weight, "viscosity": 1e-6, "fill_fraction": 0.8},
+        "liquid": {
+            "density": 1000.0 * weight,
+            "viscosity": 1e-6 * size**2 / slower,
+            "fill_fraction": 0.8,
+        },
         "motion": {
             "kind": "sine",
             "frequency": FREQUENCY / slower,
