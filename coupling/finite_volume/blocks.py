@@ -15,7 +15,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from coupling.ports import Array, Ints
 
@@ -44,6 +43,8 @@ def graded(count: int, first: float) -> Array:
     """
     if not 0.0 < first < 1.0 / count or count < 2:
         return np.linspace(0.0, 1.0, count + 1)
+    from scipy.optimize import brentq  # slow to import, and even cells do without
+
     ratio = (1.0 - first) * count / (count - 1.0)  # of a progression from first to 1/count
     number = 1 + math.ceil(math.log(1.0 / (count * first)) / math.log(ratio))
     powers = np.arange(number)

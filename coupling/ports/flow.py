@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
-
-from scipy.sparse import csr_array
+from typing import TYPE_CHECKING, Protocol
 
 from coupling.ports.arrays import AnyArray, Array, Ints
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, kw_only=True)
