@@ -94,12 +94,12 @@ class PotentialLiquid:
         coefficient: Array,
         *,
         work: float,
+        slip: float,
     ) -> LiquidSample:
         """Return what the liquid does at a step's end, with its pressure on the sheet's triangles.
 
         The largest speed is the one on the diaphragm. The shell's pressure beyond the contact curve
-        meets that on the sheet which lies on it, and both cancel in the force; in ``wall_slip``
-        both count, small as they are there.
+        meets that on the sheet which lies on it, and both cancel in the force.
 
         Parameters
         ----------
@@ -115,6 +115,8 @@ class PotentialLiquid:
             Coefficients of phi (k,) [m^2/s].
         work
             Work of p* on the sheet in the step [J].
+        slip
+            int of the squared speed along all wetted walls, relative to them [m^4/s^2].
 
         Returns
         -------
@@ -122,7 +124,7 @@ class PotentialLiquid:
             The sample; its faces are the sheet's triangles (m,).
         """
         pressure, speed = bernoulli(self.ritz, shape.values, rate, coefficient)
-        on_shell, shell_speed = bernoulli(self.ritz, self._shell_values, rate, coefficient)
+        on_shell, _ = bernoulli(self.ritz, self._shell_values, rate, coefficient)
         nodal = shape.force(pressure)
         size, free = np.linalg.norm(shape.area, axis=1), self._free(points)
         return LiquidSample(
@@ -134,8 +136,7 @@ class PotentialLiquid:
             speed_max=float(speed.max()),
             dphi_dt_max=largest_rate((shape.values @ rate)[free], size[free]),
             kinetic_energy=shape.kinetic_energy(velocity),
-            wall_slip=self._slip(shape, velocity, coefficient)
-            + float(shell_speed**2 @ np.linalg.norm(self._shell_area, axis=1)),
+            wall_slip=slip,
             pressure_work=work,
         )
 
@@ -143,15 +144,6 @@ class PotentialLiquid:
         """Triangles (m,) that are off the shell, all of them where none is."""
         free = (self.shell.gap(points) > self._reach)[self.ritz.triangles].any(axis=1)
         return np.asarray(free if free.any() else ~free)
-
-    def _slip(self, shape: RitzShape, velocity: Array, coefficient: Array) -> float:
-        """int of the squared speed along the sheet [m^4/s^2], relative to it."""
-        slopes = self.ritz.harmonics.slopes
-        flow = np.stack([shape.values @ (slope @ coefficient) for slope in slopes], axis=1)
-        relative = flow - velocity[self.ritz.triangles].mean(axis=1)
-        size = np.linalg.norm(shape.area, axis=1)
-        along = np.einsum("tx,tx->t", relative, shape.area) / size
-        return float((np.sum(relative**2, axis=1) - along**2) @ size)
 
     def to_nodes(self, points: Array) -> coo_array:
         """Matrix (n, m) that averages values on triangles at ``points`` (n, 3) [m] to the nodes."""

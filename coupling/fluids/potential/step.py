@@ -143,7 +143,10 @@ class PotentialStep:
             excess = max(gain - self.settings.gain * (energy + abs(work)), 0.0)
             excess = min(excess, self.settings.most * energy)
             kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
-            self._sample = self.liquid.sample(end, shape, velocity, rate, coefficient, work=work)
+            self._sample = self.liquid.sample(
+                end, shape, velocity, rate, coefficient,
+                work=work, slip=layers.slip(coefficient, velocity),
+            )  # fmt: skip
             self._next = {
                 "position": end, "velocity": velocity, "coefficient": kept * coefficient,
                 "previous_position": now["position"], "previous_velocity": now["velocity"],

@@ -138,9 +138,12 @@ class WallLayers:
 
     def power(self, coefficient: Array, velocity: Array) -> float:
         """Return the power [W] that the layers on all walls take; parameters as of ``force``."""
+        return self.shape.liquid.density * self.speed * self.slip(coefficient, velocity)
+
+    def slip(self, coefficient: Array, velocity: Array) -> float:
+        """Return int of the squared speed along all wetted walls, relative to them [m^4/s^2]."""
         slopes, c = self.shape.liquid.harmonics.slopes, coefficient[1:]
         sheet = velocity[self.shape.liquid.triangles].mean(axis=1)
         still = np.stack([self.shape.values @ (s @ coefficient) for s in slopes], axis=1)
         both = self._along(sheet) * (sheet - 2.0 * still)
-        slip = float(c @ self.form @ c + np.sum(both, axis=1) @ self.wetted)
-        return self.shape.liquid.density * self.speed * max(slip, 0.0)
+        return max(float(c @ self.form @ c + np.sum(both, axis=1) @ self.wetted), 0.0)
