@@ -88,6 +88,11 @@ def cell_geometry(mesh: LiquidMesh, points: Array) -> CellGeometry:
     return CellGeometry(volume=volume, centre=centre, face_centre=face_centre, face_area=area)
 
 
+def centre_of_gravity(geometry: CellGeometry) -> Array:
+    """Return the centre of gravity (3,) [m] of a homogeneous liquid in the cells."""
+    return np.asarray(geometry.volume @ geometry.centre / geometry.volume.sum())
+
+
 def non_orthogonality(mesh: LiquidMesh, geometry: CellGeometry) -> Array:
     """Return the angles [deg] of inner faces' normals to the lines between their cells' centres."""
     inner = mesh.inner_faces

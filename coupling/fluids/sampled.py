@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from coupling.ports import FlowSample, LiquidSample
 
 LIQUID_METRICS = ("speed_max", "dphi_dt_max", "kinetic_energy", "wall_slip")
-MESH_METRICS = ("non_orthogonality_max", "volume_error", "continuity_error", "wall_distance")
+MESH_METRICS = ("volume_error", "continuity_error")
 
 
 def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
@@ -15,19 +17,12 @@ def liquid_metrics(liquid: LiquidSample | None) -> dict[str, float]:
     return {name: float(getattr(liquid, name)) for name in LIQUID_METRICS}
 
 
-def flow_metrics(
-    flow: FlowSample | None, *, non_orthogonality: float, wall_distance: float
-) -> dict[str, float]:
+def flow_metrics(flow: FlowSample | None, mesh: Mapping[str, float]) -> dict[str, float]:
     """Return the scalars of a ``flow`` on a mesh by name; before any step, None, it is at rest.
 
-    ``non_orthogonality`` [deg], ``wall_distance`` [m]: the committed mesh's, all that is known
-    then.
+    ``mesh``: those of the committed mesh, by name, which are known then as well.
     """
-    if flow is None:
-        return liquid_metrics(None) | {
-            "non_orthogonality_max": non_orthogonality,
-            "volume_error": 0.0,
-            "continuity_error": 0.0,
-            "wall_distance": wall_distance,
-        }
-    return liquid_metrics(flow) | {name: float(getattr(flow, name)) for name in MESH_METRICS}
+    found = dict.fromkeys(MESH_METRICS, 0.0)
+    if flow is not None:
+        found = {name: float(getattr(flow, name)) for name in MESH_METRICS}
+    return liquid_metrics(flow) | found | dict(mesh)

@@ -21,6 +21,7 @@ from coupling.metrics.harmonic import (
     last_whole_periods,
     phasor_drift,
 )
+from coupling.metrics.mesh_fit import mesh_fit
 from coupling.metrics.rubs import rub
 from coupling.metrics.strains import quantile
 from coupling.metrics.transfer import tank_phasor, transfer
@@ -94,6 +95,7 @@ def summarise(
             results.metrics, has_flow=statistics.speed_max is not None
         ),
         "boundary_layer": layer_resolution(results, scene.liquid.viscosity, scene.frequency),
+        "flow_mesh": mesh_fit(results.metrics),
         "energy": energy_summary(results, scene.frequency, periods),
         "fitted_periods": periods,
         "error": error,

@@ -45,16 +45,13 @@ class FlowSample(LiquidSample):
 
     ``volume`` [m^3] as the flow solver sees it, ``volume_error`` relative to the start;
     ``liquid_cg`` (3,) [m] of the flow's mesh; ``continuity_error``: what the solver's own fluxes
-    miss, over the cells' volumes; ``non_orthogonality_max`` [deg]; ``wall_distance`` [m] of the
-    centres of the cells at the walls, the mean over their area.
+    miss, over the cells' volumes.
     """
 
     volume: float
     volume_error: float
     liquid_cg: Array
     continuity_error: float
-    non_orthogonality_max: float
-    wall_distance: float
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from coupling.estimate.numbers import numbers_of
@@ -154,9 +155,22 @@ def quality_table(run: RunFiles) -> Table:
         ["Inner iterations of the sheet, mean", number(cloth.get("iterations_mean"))],
         ["Inner iterations of the sheet, most", number(cloth.get("iterations_max"))],
         ["Largest volume error", number(summary["volume_error_max"])],
+        *_mesh_rows(summary.get("flow_mesh")),
         ["Force against momentum", percent(summary["force"].get("momentum_imbalance"))],
     ]
     return Table(head=["Quality", ""], rows=rows)
+
+
+def _mesh_rows(fit: Mapping[str, float] | None) -> list[list[str]]:
+    """How far the flow's mesh was from the liquid, where there is one."""
+    if fit is None:
+        return []
+    millimetres = {name: 1e3 * value for name, value in fit.items() if name.endswith("_m")}
+    return [
+        ["Flow's patch to the diaphragm, rms", number(millimetres["patch_distance_rms_m"], "mm")],
+        ["Flow's CG to the liquid's, rms", number(millimetres["cg_offset_rms_m"], "mm")],
+        ["Largest non-orthogonality", number(fit["non_orthogonality_max_deg"], "°")],
+    ]
 
 
 def rubber_table(run: RunFiles) -> Table:

@@ -64,7 +64,7 @@ METRIC_UNITS = {
         "Pa",
     ),
     "wall_slip": "m^4/s^2",
-    "wall_distance": "m",
+    **dict.fromkeys(("wall_distance", "patch_distance", "mesh_cg_offset"), "m"),
     "non_orthogonality_max": "deg",
     "volume_error": "-",
     "continuity_error": "-",

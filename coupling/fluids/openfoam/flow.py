@@ -14,6 +14,7 @@ import numpy as np
 
 from coupling.finite_volume.coarsening import Coarsening
 from coupling.finite_volume.following import FollowingMesh
+from coupling.finite_volume.geometry import centre_of_gravity
 from coupling.finite_volume.gradients import wall_pressure
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
 from coupling.finite_volume.mesh import LiquidMesh
@@ -89,6 +90,11 @@ class OpenFoamFlow:
     def wall_distance(self) -> float:
         """Mean distance [m] of the wall cells' centres from the walls of the committed mesh."""
         return cell_distance(self.mesh, self._following.geometry)
+
+    @property
+    def liquid_cg(self) -> Array:
+        """Centre of gravity (3,) [m] of the committed mesh."""
+        return centre_of_gravity(self._following.geometry)
 
     def start(self, patch: Array, shell: Array, volume: float) -> None:
         """Write the case for a liquid at rest below the diaphragm.
@@ -204,8 +210,6 @@ class OpenFoamFlow:
             boundary_pressure=solution.wall_pressure,
             volume_error=abs(self._following.excess(self.points)) / self.volume,
             continuity_error=self.case.continuity,
-            non_orthogonality_max=self.non_orthogonality_max,
-            wall_distance=self.wall_distance,
         )  # fmt: skip
 
     def write_fields(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.finite_volume.geometry import CellGeometry
+from coupling.finite_volume.geometry import CellGeometry, centre_of_gravity
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.wall import WallFlow
 from coupling.fluids.gauge import largest_rate
@@ -22,8 +22,6 @@ def flow_sample(
     pressure_work: float,
     volume_error: float,
     continuity_error: float,
-    non_orthogonality_max: float,
-    wall_distance: float,
 ) -> FlowSample:
     """Return what is sampled of a flow on a mesh at a step's end.
 
@@ -43,8 +41,8 @@ def flow_sample(
         Viscous stress on the diaphragm, and slip along all walls.
     pressure_work
         Work of p* on the diaphragm in the step [J].
-    volume_error, continuity_error, non_orthogonality_max, wall_distance
-        As in ``FlowSample`` [-, -, deg, m].
+    volume_error, continuity_error
+        As in ``FlowSample`` [-].
 
     Returns
     -------
@@ -71,8 +69,6 @@ def flow_sample(
         pressure_work=pressure_work,
         volume=volume,
         volume_error=volume_error,
-        liquid_cg=geometry.volume @ geometry.centre / volume,
+        liquid_cg=centre_of_gravity(geometry),
         continuity_error=continuity_error,
-        non_orthogonality_max=non_orthogonality_max,
-        wall_distance=wall_distance,
     )

@@ -16,6 +16,8 @@ from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.fluids.sampled import flow_metrics
 from coupling.foam.installation import find_openfoam
 from coupling.interface.free_patch import FreePatch
+from coupling.interface.liquid_shape import liquid_cg
+from coupling.interface.sheet_distance import distance_to_sheet
 from coupling.ports import (
     AnyArray,
     Array,
@@ -115,11 +117,18 @@ class OpenFoamStep:
     def metrics(self, sample: LiquidSample | None) -> dict[str, float]:
         """Scalars of liquid and mesh."""
         assert sample is None or isinstance(sample, FlowSample)
-        return flow_metrics(
-            sample,
-            non_orthogonality=self.flow.non_orthogonality_max,
-            wall_distance=self.flow.wall_distance,
-        )
+        state, flow, shell = self.cloth.state, self.flow, self.scene.tank.shell
+        triangles = self.cloth.triangles
+        below = liquid_cg(state.position, triangles, shell, state.volume)
+        inside = flow.points[~flow.mesh.rim]
+        away = distance_to_sheet(inside, state.position, triangles)
+        mesh = {
+            "non_orthogonality_max": flow.non_orthogonality_max,
+            "wall_distance": flow.wall_distance,
+            "patch_distance": float(np.sqrt(np.mean(away**2))),
+            "mesh_cg_offset": float(np.linalg.norm(flow.liquid_cg - below)),
+        }
+        return flow_metrics(sample, mesh)
 
     def to_nodes(self, values: Array) -> Array:
         """Values on the faces of the flow's patch (F,), at the diaphragm's nodes (n,)."""
