@@ -5,7 +5,8 @@ free part is star-shaped about an axis, and its edge lies at the polar angle psi
 any sector of azimuths the sheet that lies on the shell takes the solid angle omega(phi) dphi off
 the hemisphere's, so that cos psi = cos psi_rim + omega, psi_rim being the clamped rim's. omega is
 kept as a few Fourier coefficients, sums over triangles whose weight falls off smoothly with the
-gap: the curve moves smoothly with the sheet. In time it follows as a damped spring does.
+gap: the curve moves smoothly with the sheet. The sheet comes off the shell node by node all the
+same, so that the curve goes only part of the way in each step.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from coupling.interface.contact_distance import ContactDistance
 from coupling.ports import Array, Ints, Shell
 
 _WIDEST = 0.98  # |cos psi| of the curve, at most
@@ -22,24 +24,22 @@ _WIDEST = 0.98  # |cos psi| of the curve, at most
 
 @dataclass(frozen=True, kw_only=True)
 class ContactSettings:
-    """Constants of the search for the contact curve, found by trial on sways at many fills.
+    """Constants of the search for the contact curve, all without a unit.
 
     What each does to iterations and to the CG's motion: ``tests/benchmarks/README.md``.
 
-    - ``reach``: gap over R where a node counts as free altogether; smooths the curve's edge;
+    - ``reach``: mean edges of the grid, along the sheet, over which it goes from resting on the
+      shell to free;
     - ``order``: highest wave round the axis; finer waves of the curve are left out;
-    - ``rate``, ``fast`` [1/s]: at which the curve follows leaps and small motion. A slow one lags,
-      which feeds a wave that breathes at the rim; a fast one moves the mesh in jumps;
-    - ``small``: size of what the curve is away by, as axis and waves have it, between the two;
+    - ``share``: of the way to where the sheet's contact ends that the curve goes in a step; 1 moves
+      the mesh in jumps, and the lag of the others vanishes with the step;
     - ``upright``: weight of the pole in the axis, over that of the whole sheet lifted to its
       centre: the axis of a sheet that is free all round is the pole.
     """
 
-    reach: float = 0.03
+    reach: float = 0.5
     order: int = 6
-    rate: float = 60.0
-    fast: float = 200.0
-    small: float = 0.003
+    share: float = 0.5
     upright: float = 0.5
 
 
@@ -107,29 +107,38 @@ class ContactSearch:
         settings: ContactSettings | None = None,
     ) -> None:
         self.settings = settings or ContactSettings()
-        self.shell = shell
         self._triangles = triangles
         moving = (~fixed)[triangles].astype(float)
         self._share = moving / np.maximum(moving.sum(axis=1), 1.0)[:, None]
         self._angle = solid_angles(moulded, triangles)
         centre = moulded[triangles].mean(axis=1)
-        self.smooth = Smooth(self.settings.rate, fast=self.settings.fast, small=self.settings.small)
+        self._distance = ContactDistance(triangles, shell)
+        self._curve = np.zeros(0)  # axis and waves as the last step has them
         self._centre = centre / np.linalg.norm(centre, axis=1)[:, None]
 
     def free_part(self, position: Array, dt: float) -> FreePart:
         """Return the free part ``dt`` [s] after the last, of nodes at ``position`` (n, 3) [m].
 
-        At once where ``dt`` is 0, else smoothly: the sheet comes off the shell node by node.
+        At once where ``dt`` is 0, else part of the way.
         """
         now = self._measured(position)
-        smooth = self.smooth.follow(now, dt) if dt > 0.0 else self.smooth.at_rest(now)
-        real, imaginary = np.split(smooth[3:], 2)
-        return FreePart(frame=upright_frame(smooth[:3]), waves=real + 1j * imaginary)
+        if dt > 0.0:
+            now = self._curve + self.settings.share * (now - self._curve)
+        self._curve = now
+        real, imaginary = np.split(now[3:], 2)
+        return FreePart(frame=upright_frame(now[:3]), waves=real + 1j * imaginary)
+
+    def save(self) -> Array:
+        """Everything ``restore`` needs (k,)."""
+        return self._curve
+
+    def restore(self, saved: Array) -> None:
+        """The reverse of ``save``."""
+        self._curve = saved
 
     def _measured(self, position: Array) -> Array:
         """Axis, real and imaginary parts of the waves, one after the other."""
-        gap = self.shell.gap(position) / self.shell.size
-        near = np.clip(1.0 - gap / self.settings.reach, 0.0, 1.0)
+        near = np.clip(1.0 - self._distance.of(position) / self.settings.reach, 0.0, 1.0)
         resting = (near * near * (3.0 - 2.0 * near))[self._triangles]
         resting = (self._share * resting).sum(axis=1)
         axis = ((1.0 - resting) * self._angle) @ self._centre / self._angle.sum()
@@ -144,43 +153,6 @@ class ContactSearch:
         )
         waves[0] /= 2.0
         return np.concatenate([axis, waves.real, waves.imag])
-
-
-class Smooth:
-    """Follows a vector as a critically damped spring of ``rate`` [1/s] does, however it jumps.
-
-    Where it is away by less than ``small`` the rate is up to ``fast`` [1/s]: a curve that lags
-    behind a gentle sway feeds a wave that breathes at its rim.
-    """
-
-    def __init__(self, rate: float, *, fast: float, small: float) -> None:
-        self.rate, self.fast, self.small = rate, fast, small
-        self._state = np.zeros((2, 0))  # value and speed
-
-    def at_rest(self, target: Array) -> Array:
-        """Start at rest at ``target`` (k,), and return it."""
-        self._state = np.stack([target, np.zeros_like(target)])
-        return target
-
-    def follow(self, target: Array, dt: float) -> Array:
-        """Return where a step of ``dt`` [s] towards ``target`` (k,) leads: exact, so stable."""
-        value, speed = self._state
-        away = value - target
-        leap = float(np.linalg.norm(away)) / self.small
-        rate = self.rate + (self.fast - self.rate) / (1.0 + leap * leap)
-        fade, push = np.exp(-rate * dt), speed + rate * away
-        self._state = np.stack(
-            [target + (away + push * dt) * fade, (speed - rate * push * dt) * fade]
-        )
-        return np.asarray(self._state[0])
-
-    def save(self) -> Array:
-        """Everything ``restore`` needs (2, k)."""
-        return self._state
-
-    def restore(self, saved: Array) -> None:
-        """The reverse of ``save``."""
-        self._state = saved
 
 
 def upright_frame(axis: Array) -> Array:

@@ -31,7 +31,9 @@ from coupling.interface.liquid_shape import volume_below
 from coupling.interface.patch_map import Lift, PatchMap, node_area, patch_area
 from coupling.interface.shell_arcs import ShellArcs, pool_middle
 from coupling.interface.weights import Sources, Support, moving_least_squares, moving_quadratics
-from coupling.ports import Array, Shell, Structure, StructureState
+from coupling.ports import Array, Cause, Shell, StepFailed, Structure, StructureState
+
+_SIZES = 0.9, 1.2  # of the shell's points: inscribed facets stand out by some hundredths at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,7 +156,14 @@ class FreePatch:
             outline[rim] = size * points[self._rim]
             return fan_volume(outline[mesh.faces[mesh.inner_faces :]]) / volume - 1.0
 
-        return float(brentq(excess, 0.9, 1.2, xtol=1e-14))
+        least, most = _SIZES
+        if excess(least) * excess(most) > 0.0:
+            raise StepFailed(
+                "the flow's patch, as fine as it is, cannot follow the diaphragm: with it no "
+                "outline of the liquid near the shell holds its volume.",
+                cause=Cause.MESH,
+            )
+        return float(brentq(excess, least, most, xtol=1e-14))
 
     def _weights(self, moulded: Array, nodes: Array) -> Array:
         """Weights (p, n) of the points ``moulded`` (p, 3) on a sheet at ``nodes`` (n, 3) [m]."""
@@ -200,11 +209,11 @@ class FreePatch:
 
     def save(self) -> dict[str, Array]:
         """What of the map a former step has left."""
-        return {"contact": self._search.smooth.save()}
+        return {"contact": self._search.save()}
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``; other entries are ignored."""
-        self._search.smooth.restore(saved["contact"])
+        self._search.restore(saved["contact"])
 
     def _lift(
         self,

@@ -59,8 +59,7 @@ TRIED: dict[type, dict[str, tuple[float, ...]]] = {
         "smooth": (0.9905,), "rounds": (0,), "more": (20,),
     },
     ContactSettings: {
-        "reach": (0.01, 0.09), "order": (3, 12), "rate": (20.0, 200.0), "fast": (60.0,),
-        "small": (0.001, 0.01), "upright": (0.0, 2.0),
+        "reach": (1.0, 0.25), "order": (3, 12), "share": (1.0, 0.25), "upright": (0.0, 2.0),
     },
 }  # fmt: skip
 TOGETHER: dict[type, dict[str, dict[str, Any]]] = {

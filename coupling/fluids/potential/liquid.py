@@ -20,7 +20,7 @@ from coupling.fluids.potential.ritz import (
     wall_integral,
 )
 from coupling.fluids.potential.wall_layers import WallLayers, slip_form
-from coupling.interface.contact_curve import ContactSettings
+from coupling.interface.contact_distance import ContactDistance
 from coupling.ports import Array, Ints, LiquidSample, Shell
 
 
@@ -45,6 +45,7 @@ class PotentialLiquid:
         harmonics = SolidHarmonics(degree, shell.size)
         points, self._shell_area = shell.quadrature(degree)
         self.shell, self.layer = shell, layer
+        self._distance = ContactDistance(triangles, shell)
         self.ritz = RitzLiquid(
             triangles=triangles, harmonics=harmonics,
             wall=wall_integral(harmonics, points, self._shell_area), density=density,
@@ -71,19 +72,12 @@ class PotentialLiquid:
         centre = points[self.ritz.triangles].mean(axis=1)
         # The shell is seen from its middle; a sheet on it, above no liquid, looks back there.
         cosine = np.einsum("tx,tx->t", normal, centre) / self.shell.size
-        dry = (cosine < -0.5) & (self.shell.gap(points) <= self._reach)[self.ritz.triangles].all(
-            axis=1
-        )
+        dry = (cosine < -0.5) & ~self._free(points)
         sheet = slip_form(self.ritz.harmonics, shape.values, normal, np.where(dry, -size, size))
         return WallLayers(
             shape=shape, speed=self.layer, form=(self._shell_form + sheet)[1:, 1:],
             wetted=np.where(dry, 0.0, size),
         )  # fmt: skip
-
-    @property
-    def _reach(self) -> float:
-        """Gap [m] below which a node counts as lying on the shell."""
-        return ContactSettings().reach * self.shell.size
 
     def sample(
         self,
@@ -127,6 +121,7 @@ class PotentialLiquid:
         on_shell, _ = bernoulli(self.ritz, self._shell_values, rate, coefficient)
         nodal = shape.force(pressure)
         size, free = np.linalg.norm(shape.area, axis=1), self._free(points)
+        free |= not free.any()  # a full tank's sheet rests on the shell all over
         return LiquidSample(
             face_pressure=pressure - pressure @ size / size.sum(),
             kinetic_pressure=-0.5 * self.ritz.density * speed**2,
@@ -141,9 +136,9 @@ class PotentialLiquid:
         )
 
     def _free(self, points: Array) -> NDArray[np.bool_]:
-        """Triangles (m,) that are off the shell, all of them where none is."""
-        free = (self.shell.gap(points) > self._reach)[self.ritz.triangles].any(axis=1)
-        return np.asarray(free if free.any() else ~free)
+        """Triangles (m,) with a corner more than half an edge off what rests on the shell."""
+        free = (self._distance.of(points) > 0.5)[self.ritz.triangles].any(axis=1)
+        return np.asarray(free)
 
     def to_nodes(self, points: Array) -> coo_array:
         """Matrix (n, m) that averages values on triangles at ``points`` (n, 3) [m] to the nodes."""
