@@ -131,7 +131,7 @@ class Coupling(Section):
         default_factory=best_scheme,
         description="name of a coupling scheme, for a fluid model that iterates",
     )
-    tolerance: float = Field(default=1e-4, gt=0, lt=1, description="relative residual to reach")
+    tolerance: float = Field(default=1e-3, gt=0, lt=1, description="relative residual to reach")
     max_iterations: int = Field(default=30, ge=1, le=MOST, description="most iterations of a step")
     reuse: int = Field(
         default=8, ge=0, le=MOST, description="number of past steps that iqn-ils reuses"
