@@ -21,8 +21,9 @@ from coupling.api.start import (
     scene_of,
 )
 from coupling.api.units import dataset_along, unit_of_figure
+from coupling.campaign.error_sources import planned_runs
 from coupling.campaign.same_plan import check_same_plan
-from coupling.campaign.study_plan import planned_runs, study_rows
+from coupling.campaign.study_plan import study_rows
 from coupling.scene.scene import Scene
 from coupling.store.folder_lock import held
 from coupling.store.run_folder import prepare_folder

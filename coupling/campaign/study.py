@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from coupling.campaign.error_sources import refined, with_unknowns
 from coupling.campaign.study_plan import (
     THESIS,
     Entry,
@@ -47,9 +48,10 @@ def run_study(
 ) -> dict[str, Any]:
     """Run ``scene`` with each of ``models``, and hold them against the highest that completes.
 
-    Besides, each of them less resolved; the thesis' own algorithm, less resolved too; and a
-    diaphragm that stretches. ``quick`` leaves all that out but for the reference's less resolved
-    runs, which say how well it knows its own figures.
+    Besides, each of them less resolved; the thesis' own algorithm, less resolved too; a diaphragm
+    that stretches; and each source of the reference's error (``error_sources``). ``quick`` leaves
+    all that out but for the reference's less resolved runs, which say how well it knows its own
+    figures.
 
     Runs go to ``folder/<row>`` and ``folder/discretisation/<row>/<resolution>``. One that is
     complete there, of the same scene, is taken as it is; so a study that was stopped goes on. A
@@ -100,6 +102,9 @@ def _planned(rows: Sequence[Entry], record: StudyRecord, *, quick: bool) -> Iter
     others = [entry for entry in finished if entry.row != record.reference]
     yield from less_resolved(best if quick else [*others, *best])
     yield from stiffer(best)
+    if not quick:
+        yield from refined(best)
+        yield from with_unknowns(finished)
 
 
 def run_or_reuse(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,7 +44,7 @@ def ladder_rows(scene: Scene, models: Sequence[str]) -> list[Entry]:
     """The scene with each of ``models``, the cheapest first. ``SceneError`` where it takes none."""
 
     def with_model(model: str) -> Scene:
-        return scene_from(plain_values(_with(scene, "model", fluid=model)), f"--models {model}")
+        return scene_from(plain_values(altered(scene, "model", fluid=model)), f"--models {model}")
 
     return [
         Entry(row=model, resolution=AS_RUN, scene=with_model(model)) for model in by_rank(models)
@@ -77,29 +76,14 @@ def stretch_row(scene: Scene, models: Sequence[str]) -> Entry:
     """
     cheap = [model for model in models if FLUIDS[model].coarser(scene) is None] or models
     stiff = scene.diaphragm.inextensible
-    changed = _with(scene, "model", fluid=by_rank(cheap)[-1])
+    changed = altered(scene, "model", fluid=by_rank(cheap)[-1])
     return Entry(
         row=stretch_name(scene),
         resolution=AS_RUN,
         scene=scene_from(
-            plain_values(_with(changed, "diaphragm", inextensible=not stiff, loss_factor=0.0))
+            plain_values(altered(changed, "diaphragm", inextensible=not stiff, loss_factor=0.0))
         ),
     )
-
-
-def planned_runs(scene: Scene, models: Sequence[str], *, quick: bool) -> dict[Path, Scene]:
-    """The scene of each run that a study may make, by its folder within the study's.
-
-    Which row is the reference shows only later, so a ``quick`` one has all less resolved runs.
-    """
-    rows, beside = ladder_rows(scene, models), []
-    if not quick:
-        with suppress(SceneError):  # no such row then
-            rows.append(thesis_row(scene))
-        with suppress(SceneError):
-            beside = [stretch_row(scene, models)]
-    finer = [*less_resolved(rows), *stiffer(rows)]
-    return {entry.place: entry.scene for entry in [*rows, *beside, *finer]}
 
 
 def stretch_name(scene: Scene) -> str:
@@ -122,7 +106,7 @@ def stiffer(entries: Iterable[Entry]) -> list[Entry]:
         Entry(
             row=entry.row,
             resolution=STIFFER,
-            scene=_with(entry.scene, "cloth", stiffness=2.0 * entry.scene.cloth.stiffness),
+            scene=altered(entry.scene, "cloth", stiffness=2.0 * entry.scene.cloth.stiffness),
         )
         for entry in entries
         if _has_limit(entry.scene)
@@ -145,25 +129,25 @@ def coarser_scenes(scene: Scene) -> dict[str, Scene]:
     has no other.
     """
     flow = FLUIDS[scene.model.fluid].coarser(scene)
-    grid = _with(scene, "cloth", resolution=_coarser_cloth(scene)) if flow is None else flow.scene
-    variants = {COARSER: grid} if _is_valid(grid) else {}
+    grid = altered(scene, "cloth", resolution=coarser_cloth(scene)) if flow is None else flow.scene
+    variants = {COARSER: grid} if is_valid(grid) else {}
     if scene.cloth.grid == "thesis":
         return variants
     every = scene.time.output_every
-    doubled = _with(
+    doubled = altered(
         scene,
         "time",
         step=2.0 * scene.time.step,
         output_every=every // 2 if every % 2 == 0 else every,
     )
-    if _is_valid(doubled):
+    if is_valid(doubled):
         return variants | {DOUBLED: doubled}
     step = 0.5 * scene.time.step
-    halved = _with(scene, "time", step=step, output_every=2 * every)
+    halved = altered(scene, "time", step=step, output_every=2 * every)
     return variants | {HALVED: halved}
 
 
-def _is_valid(scene: Scene) -> bool:
+def is_valid(scene: Scene) -> bool:
     """Whether ``scene``, put together without a check, can be read again from its own file."""
     try:
         scene_from(plain_values(scene))
@@ -172,7 +156,7 @@ def _is_valid(scene: Scene) -> bool:
     return True
 
 
-def _coarser_cloth(scene: Scene) -> int:
+def coarser_cloth(scene: Scene) -> int:
     even = 2 if scene.cloth.grid == "thesis" else 1
     return max(4, even * round(scene.cloth.resolution / (even * 2**0.5)))
 
@@ -197,5 +181,5 @@ def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
     return {COARSER: coarser, **step}
 
 
-def _with(scene: Scene, section: str, **values: Any) -> Scene:
+def altered(scene: Scene, section: str, **values: Any) -> Scene:
     return scene.model_copy(update={section: getattr(scene, section).model_copy(update=values)})

@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry, coarsening
+from coupling.campaign.error_sources import UNKNOWN, coarsening_of
+from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry
 from coupling.fluids import FLUIDS, by_rank
 from coupling.metrics.advice import advice, verdict
 from coupling.metrics.comparison import Errors, compare
 from coupling.metrics.pareto import pareto_front
-from coupling.metrics.uncertainty import below, error_bars
+from coupling.metrics.uncertainty import below, error_bars, observed_orders, shares
 from coupling.store.results import read_results
 
 Summary = Mapping[str, Any]
@@ -58,8 +59,7 @@ class StudyRecord:
         best = self.reference
         own = {
             entry.resolution: self._error(entry, summary, best)
-            for entry, summary in self._done
-            if entry.row == best and entry.resolution != AS_RUN
+            for entry, summary in self._of_reference(best)
         }
         bars = error_bars(own, self._coarsening(best))
         rows = {entry.row: self._row(entry, summary, bars) for entry, summary in self._as_run()}
@@ -69,6 +69,8 @@ class StudyRecord:
             "models": rows,
             "discretisation": own,
             "uncertainty": bars,
+            "sources": self._sources(best, own),
+            "observed_order": observed_orders(own, self._coarsening(best)),
             "bernoulli": self._bernoulli(best),
             "points": self._points(),
             "verdict": verdict(best, rows, bars),
@@ -77,6 +79,37 @@ class StudyRecord:
 
     def _as_run(self) -> list[tuple[Entry, Summary]]:
         return [(entry, summary) for entry, summary in self._done if entry.resolution == AS_RUN]
+
+    def _of_reference(self, best: str | None) -> list[tuple[Entry, Summary]]:
+        """The runs of the reference ``best`` with a numerical source of error enlarged."""
+        return [
+            (entry, summary)
+            for entry, summary in self._done
+            if entry.row == best and entry.resolution not in (AS_RUN, *UNKNOWN)
+        ]
+
+    def _sources(self, best: str | None, own: Mapping[str, Errors]) -> list[dict[str, Any]]:
+        """What each source is worth in every figure, the largest in the CG's amplitude first.
+
+        Numerical ones are the reference's estimated errors; of what the diaphragm is not known by
+        it is the whole change, on the row that was run with it.
+        """
+        found: list[dict[str, Any]] = [
+            {"source": name, "kind": "numerical", "row": best, "share": share}
+            for name, share in shares(own, self._coarsening(best)).items()
+        ]
+        for entry, summary in self._done:
+            if entry.resolution in UNKNOWN:
+                share = self._error(entry, summary, entry.row)
+                name = entry.resolution
+            elif entry.row in STRETCH.values() and entry.resolution == AS_RUN:
+                share = self._error(entry, summary, entry.scene.model.fluid)
+                name = entry.row
+            else:
+                continue
+            row = entry.scene.model.fluid
+            found.append({"source": name, "kind": "unknown", "row": row, "share": share})
+        return sorted(found, key=lambda one: -(one["share"].get("cg_amplitude") or 0.0))
 
     def _found(self, row: str | None) -> tuple[Entry, Summary] | None:
         return next((item for item in self._as_run() if item[0].row == row), None)
@@ -87,7 +120,7 @@ class StudyRecord:
 
     def _coarsening(self, best: str | None) -> dict[str, tuple[float, float]]:
         found = self._found(best)
-        return {} if found is None else coarsening(found[0].scene)
+        return {} if found is None else coarsening_of(found[0].scene)
 
     def _bernoulli(self, best: str | None) -> dict[str, dict[str, float | None]]:
         """The reference's ratios, each with its own estimated error."""
@@ -100,8 +133,7 @@ class StudyRecord:
                 for name, value in measured.items()
                 if (other := (summary.get("bernoulli") or {}).get(name)) is not None
             }
-            for entry, summary in self._done
-            if entry.row == best and entry.resolution != AS_RUN
+            for entry, summary in self._of_reference(best)
         }
         bars = error_bars(own, self._coarsening(best), list(measured))
         return {
@@ -139,7 +171,7 @@ class StudyRecord:
                 "on_front": [],
             }
             for entry, summary in self._done
-            if entry.row in (*FLUIDS, THESIS)
+            if entry.row in (*FLUIDS, THESIS) and entry.resolution not in UNKNOWN
         ]
         for figure in FIGURES_WITH_FRONT:
             known = [p for p in points if p["wall_s"] and p["error"].get(figure) is not None]

@@ -154,6 +154,11 @@ class FluidModel:
         del scene
         return None
 
+    def approximations(self, scene: Scene) -> Mapping[str, CoarserScene]:
+        """The scene with what else it approximates by alone made worse, by name; for error bars."""
+        del scene
+        return {}
+
     def size(self, scene: Scene) -> Mapping[str, int]:
         """Size of the liquid's own grid, by what is counted: {"cells of the flow's mesh": 1216}."""
         del scene

@@ -28,6 +28,23 @@ RESOLUTIONS = {
     "doubled_step": "doubled step",
     "halved_step": "halved step",
     "doubled_stiffness": "doubled stiffness",
+    "coarsest_grid": "coarsest grid",
+    "coarser_diaphragm": "coarser diaphragm",
+    "looser_coupling": "looser coupling",
+    "looser_diaphragm": "looser diaphragm",
+    "lower_degree": "lower degree",
+}
+SOURCES = {  # of error, as a table says them
+    "coarsest_grid": "a quarter of the cells",
+    "coarser_diaphragm": "half the diaphragm’s triangles",
+    "looser_coupling": "ten times the coupling’s tolerance",
+    "looser_diaphragm": "ten times the diaphragm’s tolerance",
+    "lower_degree": "polynomials of two degrees less",
+    "half_fold_damping": "half the damping of folds below the grid",
+    "other_rim": "the rim clamped where it is hinged, or hinged",
+    "friction": "friction of 0.3 on the shell and on itself",
+    "compliant": "the rubber’s own compliance",
+    "inextensible": "no stretching",
 }
 _MARKERS = {
     "as_run": "o",
@@ -35,6 +52,11 @@ _MARKERS = {
     "doubled_step": "^",
     "halved_step": "v",
     "doubled_stiffness": "D",
+    "coarsest_grid": "p",
+    "coarser_diaphragm": "P",
+    "looser_coupling": "X",
+    "looser_diaphragm": "*",
+    "lower_degree": "d",
 }
 
 

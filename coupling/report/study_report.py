@@ -16,7 +16,7 @@ from coupling.report.page import Page, Section, percent
 from coupling.report.run_report import pressure_section, provenance, quality_section
 from coupling.report.run_tables import scene_tables
 from coupling.report.study_figures import errors_figure, front_figure
-from coupling.report.study_tables import errors_table, front_table, ratios_table
+from coupling.report.study_tables import errors_table, front_table, ratios_table, sources_table
 from coupling.report.viewer import study_view
 
 _CURVELESS = ("compliant", "inextensible")  # lies on the curve of the model it changes
@@ -32,7 +32,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     ]
     runs.sort(key=lambda run: run.label != study["reference"])  # the others lie on top of it
     failed = [f"{name}: {row['failure']}" for name, row in rows.items() if row.get("failure")]
-    sections = [_errors(study), *_ratios(study), *_speed(study)]
+    sections = [_errors(study), *_sources(study), *_ratios(study), *_speed(study)]
     if runs:
         drawn = [run for run in runs if run.label not in _CURVELESS]
         sections += [*_curves(drawn), _shapes(drawn), *study_view(drawn, study)]
@@ -75,6 +75,11 @@ def _errors(study: Mapping[str, Any]) -> Section:
     }
     pictures = [errors_figure(errors, bars)] if errors else []
     return Section(title="Errors", tables=[errors_table(study)], pictures=pictures, columns=1)
+
+
+def _sources(study: Mapping[str, Any]) -> list[Section]:
+    table = sources_table(study)
+    return [] if table is None else [Section(title="Where the error comes from", tables=[table])]
 
 
 def _ratios(study: Mapping[str, Any]) -> list[Section]:

@@ -148,6 +148,12 @@ class OpenFoamModel(FluidModel):
             order=ORDER,
         )
 
+    def approximations(self, scene: Scene) -> Mapping[str, CoarserScene]:
+        """Return the scene coupled to ten times its tolerance, with which the error goes."""
+        looser = scene.coupling.model_copy(update={"tolerance": 10.0 * scene.coupling.tolerance})
+        changed = scene.model_copy(update={"coupling": looser})
+        return {"looser_coupling": CoarserScene(scene=changed, width=10.0, order=1.0)}
+
     def size(self, scene: Scene) -> Mapping[str, int]:
         """Return the number of the mesh's cells, by what is counted."""
         return {"cells of the flow's mesh": cells_made(scene.openfoam.cells, scene.wall_spacing)}

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
-from coupling.fluids.model import ErrorLaw, FluidModel, Record, inertia_wrong
+from coupling.fluids.model import CoarserScene, ErrorLaw, FluidModel, Record, inertia_wrong
 from coupling.motion.shaking import driving_frequency
 from coupling.ports import IterativeStructure, TimeStep
 from coupling.scene.scene import Scene
@@ -48,6 +49,15 @@ class PotentialModel(FluidModel):
             layer=layer_speed(scene.liquid.viscosity, driving_frequency(scene)),
         )
         return PotentialStep(cloth, liquid)
+
+    def approximations(self, scene: Scene) -> Mapping[str, CoarserScene]:
+        """Return the scene with polynomials of two degrees less.
+
+        Their errors fall by no power: what two degrees change is taken for what is left out.
+        """
+        lower = scene.potential.model_copy(update={"degree": scene.potential.degree - 2})
+        changed = scene.model_copy(update={"potential": lower})
+        return {"lower_degree": CoarserScene(scene=changed, width=2.0, order=1.0)}
 
     def step_cost(self, scene: Scene, solve: float) -> float:
         """Return the CPU time [s] of the diaphragm's step, and of the potential."""

@@ -195,10 +195,20 @@ def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_pat
         ("hydrostatic", "coarser_grid"),
         ("hydrostatic", "doubled_step"),
         ("hydrostatic", "doubled_stiffness"),
+        ("hydrostatic", "looser_diaphragm"),
     ]
     assert all(point["error"]["pressure_rms"] is not None for point in study["points"])
-    expected = {"coarser_grid", "doubled_step", "doubled_stiffness"}
+    expected = {"coarser_grid", "doubled_step", "doubled_stiffness", "looser_diaphragm"}
     assert set(study["discretisation"]) == expected
+    numerical = {one["source"] for one in study["sources"] if one["kind"] == "numerical"}
+    unknown = {one["source"] for one in study["sources"] if one["kind"] == "unknown"}
+    assert numerical == expected
+    assert unknown == {"compliant", "half_fold_damping", "other_rim", "friction"}
+    moved = {one["source"]: one["share"]["shape_rms"] for one in study["sources"]}
+    assert all(moved[name] > 0.0 for name in ("coarser_grid", "doubled_step", "compliant"))
+    text = (folder / "report.html").read_text()
+    assert "Where the error comes from" in text
+    assert "half the damping of folds below the grid" in text
     assert study["models"]["datum"]["error"]["shape_rms"] > 0.0
     assert any(stage.startswith("datum: ") for stage in said)
     assert (folder / "report.html").is_file()
