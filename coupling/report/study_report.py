@@ -19,6 +19,12 @@ from coupling.report.study_figures import errors_figure, front_figure
 from coupling.report.study_tables import errors_table, front_table, ratios_table, sources_table
 from coupling.report.viewer import study_view
 
+_PARTS = {  # what a source of error is a run with something else of
+    "coarser_grid": "grid", "doubled_step": "time step", "halved_step": "time step",
+    "doubled_stiffness": "stiffness in place of inextensibility",
+    "coarser_diaphragm": "diaphragm’s grid", "looser_coupling": "coupling tolerance",
+    "looser_diaphragm": "diaphragm’s tolerance", "lower_degree": "degree of the polynomials",
+}  # fmt: skip
 _CURVELESS = ("compliant", "inextensible")  # lies on the curve of the model it changes
 
 
@@ -51,7 +57,24 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
 
 def _explained(study: Mapping[str, Any]) -> str:
     advised = study["advice"] if study.get("verdict") else ""
-    return f"{advised} {_measured(study)}".strip()
+    return " ".join(text for text in (advised, _largest_source(study), _measured(study)) if text)
+
+
+def _largest_source(study: Mapping[str, Any]) -> str:
+    """Which source the reference's error in the CG's amplitude comes from most; empty without."""
+    known = [
+        (one["share"].get("cg_amplitude"), one["source"])
+        for one in study.get("sources") or []
+        if one["kind"] == "numerical"
+    ]
+    found = [(share, source) for share, source in known if share is not None]
+    if len(found) < 2:
+        return ""
+    share, source = max(found)
+    return (
+        f"Most of what {study['reference']} itself errs by in the CG amplitude comes from its "
+        f"{_PARTS.get(source, source.replace('_', ' '))}: {percent(share)}."
+    )
 
 
 def _measured(study: Mapping[str, Any]) -> str:
