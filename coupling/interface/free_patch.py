@@ -248,6 +248,6 @@ class FreePatch:
         )
 
     def to_nodes(self, values: Array) -> Array:
-        """Values (n,) at the nodes of ``values`` (F,) on the patch's faces, in the last map."""
+        """Values (n, k) at the nodes of ``values`` (F, k) on the patch's faces, in the last map."""
         assert self.map is not None, "begin_step comes first"
         return self.map.to_nodes(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from coupling.finite_volume.swept import cross
 from coupling.ports import Array, Ints, Shell
 
 
@@ -30,7 +31,7 @@ def liquid_cg(position: Array, triangles: Ints, shell: Shell, volume: float) -> 
         Centre of gravity (3,) [m] from the origin.
     """
     a, b, c = (position[triangles[:, k]] for k in range(3))
-    cone = np.einsum("mx,mx->m", a, np.cross(b, c)) / 6.0
+    cone = np.einsum("mx,mx->m", a, cross(b, c)) / 6.0
     moment = cone @ (a + b + c) / 4.0
     moment[2] += shell.moment_below(0.0)
     return np.asarray(moment / volume)
@@ -42,4 +43,4 @@ def volume_below(position: Array, triangles: Ints, shell: Shell) -> float:
     ``position`` (n, 3) [m], ``triangles`` (m, 3) and ``shell`` as above.
     """
     a, b, c = (position[triangles[:, k]] for k in range(3))
-    return float(np.einsum("mx,mx->", a, np.cross(b, c)) / 6.0 + shell.volume_below(0.0))
+    return float(np.einsum("mx,mx->", a, cross(b, c)) / 6.0 + shell.volume_below(0.0))

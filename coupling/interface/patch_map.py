@@ -85,7 +85,7 @@ class PatchMap:
         return np.asarray(through + self.lift.transpose(rise))
 
     def to_nodes(self, values: Array) -> Array:
-        """Values (n,) at the nodes of ``values`` (F,) on the patch's faces.
+        """Values (n, k) at the nodes of ``values`` (F, k) on the patch's faces.
 
         Where the sheet lies on the shell they are those of the contact curve beside it.
         """

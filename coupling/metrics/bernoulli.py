@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from coupling.estimate.numbers import potential_to_kinetic
+from coupling.finite_volume.swept import cross
 from coupling.ports import Array, Ints
 from coupling.store.stored_rows import blocks
 
@@ -141,7 +142,7 @@ def node_areas(position: Array, triangles: Ints) -> Array:
         Areas (T, n) [m^2]; their sum over the nodes is the area of all triangles, to rounding.
     """
     corner = position[:, triangles]
-    normal = np.cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0])
+    normal = cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0])
     third = np.linalg.norm(normal, axis=2) / 6.0
     areas = np.zeros(position.shape[:2])
     for row in range(len(position)):

@@ -74,7 +74,7 @@ class TimeStep(Protocol):
         """Scalars of the committed state for the results; ``sample`` is None before any step."""
 
     def to_nodes(self, values: Array) -> Array:
-        """``values`` (F,) on a sample's faces, at the diaphragm's nodes (n,)."""
+        """``values`` (F, k) on a sample's faces, at the diaphragm's nodes (n, k)."""
 
     def write_fields(self) -> None:
         """Leave the flow's fields as committed in files, where the scene asks for them."""

@@ -29,12 +29,13 @@ def still(nodes: int) -> NodePressures:
 
 
 def at_nodes(liquid: LiquidSample, to_nodes: Callable[[Array], Array]) -> NodePressures:
-    """Return the pressures of ``liquid`` at the nodes (n,), by ``to_nodes`` from the faces (F,)."""
-    return NodePressures(
-        dynamic=to_nodes(liquid.face_pressure),
-        kinetic=to_nodes(liquid.kinetic_pressure),
-        viscous=to_nodes(liquid.viscous_traction),
-    )
+    """Return the pressures of ``liquid`` at the nodes, all by one map.
+
+    ``to_nodes`` takes values (F, k) on the faces to the nodes (n, k).
+    """
+    parts = (liquid.face_pressure, liquid.kinetic_pressure, liquid.viscous_traction)
+    dynamic, kinetic, viscous = np.ascontiguousarray(to_nodes(np.stack(parts, axis=1)).T)
+    return NodePressures(dynamic=dynamic, kinetic=kinetic, viscous=viscous)
 
 
 def sample_at(

@@ -131,7 +131,7 @@ class OpenFoamStep:
         return flow_metrics(sample, mesh)
 
     def to_nodes(self, values: Array) -> Array:
-        """Values on the faces of the flow's patch (F,), at the diaphragm's nodes (n,)."""
+        """Values on the faces of the flow's patch (F, k), at the diaphragm's nodes (n, k)."""
         return self.mapping.to_nodes(values)
 
     def write_fields(self) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
+from coupling.finite_volume.swept import cross
 from coupling.fluids.gauge import largest_rate
 from coupling.fluids.potential.harmonics import SolidHarmonics
 from coupling.fluids.potential.ritz import (
@@ -143,9 +144,8 @@ class PotentialLiquid:
     def to_nodes(self, points: Array) -> coo_array:
         """Matrix (n, m) that averages values on triangles at ``points`` (n, 3) [m] to the nodes."""
         corner = points[self.ritz.triangles]
-        area = np.linalg.norm(
-            np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
-        )
+        normal = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        area = np.linalg.norm(normal, axis=1)
         rows, columns = self._corners
         weight = area[columns] / np.bincount(rows, area[columns], self._shape[0])[rows]
         return coo_array((weight, (rows, columns)), shape=self._shape)

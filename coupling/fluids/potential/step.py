@@ -198,7 +198,7 @@ class PotentialStep:
         return liquid_metrics(sample) | {key: float(self._now[n][0]) for key, n in sums.items()}
 
     def to_nodes(self, values: Array) -> Array:
-        """Values on the diaphragm's triangles (m,), averaged to its nodes (n,)."""
+        """Values on the diaphragm's triangles (m, k), averaged to its nodes (n, k)."""
         return np.asarray(self.liquid.to_nodes(self.structure.state.position).dot(values))
 
     def write_fields(self) -> None:
