@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 
 from coupling.finite_volume.swept import cross
 from coupling.fluids.gauge import largest_rate
@@ -56,7 +55,7 @@ class PotentialLiquid:
         outward = self._shell_area / size[:, None]
         self._shell_form = slip_form(harmonics, self._shell_values, outward, size)
         self._corners = triangles.ravel(), np.repeat(np.arange(len(triangles)), 3)
-        self._shape = nodes, len(triangles)
+        self._nodes = nodes
 
     def at(self, points: Array) -> RitzShape:
         """The liquid below the sheet at ``points`` (n, 3) [m]."""
@@ -141,11 +140,15 @@ class PotentialLiquid:
         free = (self._distance.of(points) > 0.5)[self.ritz.triangles].any(axis=1)
         return np.asarray(free)
 
-    def to_nodes(self, points: Array) -> coo_array:
-        """Matrix (n, m) that averages values on triangles at ``points`` (n, 3) [m] to the nodes."""
+    def to_nodes(self, points: Array, values: Array) -> Array:
+        """``values`` (m, k) on triangles at ``points`` (n, 3) [m], averaged by area to the nodes.
+
+        Returns (n, k).
+        """
         corner = points[self.ritz.triangles]
         normal = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        area = np.linalg.norm(normal, axis=1)
         rows, columns = self._corners
-        weight = area[columns] / np.bincount(rows, area[columns], self._shape[0])[rows]
-        return coo_array((weight, (rows, columns)), shape=self._shape)
+        weight = np.linalg.norm(normal, axis=1)[columns]
+        whole = np.bincount(rows, weight, self._nodes)
+        sums = [np.bincount(rows, weight * part[columns], self._nodes) for part in values.T]
+        return np.asarray((np.array(sums) / whole).T)

@@ -199,7 +199,7 @@ class PotentialStep:
 
     def to_nodes(self, values: Array) -> Array:
         """Values on the diaphragm's triangles (m, k), averaged to its nodes (n, k)."""
-        return np.asarray(self.liquid.to_nodes(self.structure.state.position).dot(values))
+        return self.liquid.to_nodes(self.structure.state.position, values)
 
     def write_fields(self) -> None:
         """There are none: the polynomial's coefficients stand in the checkpoint."""
