@@ -91,7 +91,7 @@ def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str,
     if summary["status"] != "completed":
         return found | {"says": f"not checked: {better} failed: {summary['error']}"}
     found["wall_s"] = summary["wall_s"]
-    one, other = read_results(folder), read_results(folder / CHECK_FOLDER)
+    one, other = read_results(folder).steps, read_results(folder / CHECK_FOLDER).steps
     error = path_error(one.time, one.liquid_cg, other.time, other.liquid_cg)
     if error is None:
         return found | {"says": f"not checked: in the first {window:.3g} s nothing moves"}

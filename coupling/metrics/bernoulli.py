@@ -9,7 +9,6 @@ import numpy as np
 from coupling.estimate.numbers import potential_to_kinetic
 from coupling.finite_volume.swept import cross
 from coupling.ports import Array, Ints
-from coupling.store.stored_rows import blocks
 
 
 def effective_gravity(gravity: Array, tank_acceleration: Array) -> float:
@@ -50,47 +49,25 @@ def unsteady_ratio(*, body_force: float, radius: float, dphi_dt_max: float | Non
     return _over(body_force * radius, dphi_dt_max)
 
 
-def dynamic_fraction(
-    *,
-    position: Array,
-    triangles: Ints,
-    dynamic_pressure: Array,
-    body_force: Array,
-    density: float,
-) -> float | None:
-    """Return the rms of p* over the rms of the hydrostatic pressure rho b.x.
+def dynamic_fraction(metrics: Mapping[str, Array]) -> float | None:
+    """Return the rms of p* over the rms of the hydrostatic pressure.
 
     Both are taken over the interface and over time; of both, the mean over the interface at each
     instant is removed first. A node counts with a third of the area of its triangles.
 
     Parameters
     ----------
-    position
-        Nodes of the diaphragm (T, n, 3) [m] at T instants.
-    triangles
-        Nodes of each triangle (m, 3).
-    dynamic_pressure
-        p* at the nodes (T, n) [Pa].
-    body_force
-        Gravity less the tank's acceleration b (T, 3) [m/s^2].
-    density
-        Density of the liquid rho [kg/m^3].
+    metrics
+        Scalars of a run (S,) by name: the rms over the interface at every step [Pa].
 
     Returns
     -------
     float or None
-        The ratio [-], 0 for models without a flow; None without instants, or where the
-        hydrostatic pressure is uniform.
+        The ratio [-], 0 for models without a flow; None without steps, where the hydrostatic
+        pressure is uniform, or where the results do not hold the values.
     """
-    if len(position) == 0:
-        return None
-    squares = []
-    for instants, dynamic, pull in blocks(position, dynamic_pressure, body_force):
-        weight = node_areas(instants, triangles)
-        hydrostatic = density * np.einsum("tni,ti->tn", instants, pull)
-        squares.append((_mean_squares(dynamic, weight), _mean_squares(hydrostatic, weight)))
-    rms = [float(np.sqrt(np.concatenate(part).mean())) for part in zip(*squares, strict=True)]
-    return _over(rms[0], rms[1])
+    dynamic = _over_time(metrics.get("dynamic_pressure_rms"))
+    return _over(dynamic, _over_time(metrics.get("hydrostatic_pressure_rms")))
 
 
 PARTS = {
@@ -103,7 +80,7 @@ PARTS = {
 def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str, float | None]:
     """Return the rms [Pa] of the hydrostatic pressure, of p* and of its parts, and their fractions.
 
-    ``metrics`` (T,) [Pa] by name: rms over the interface at every instant, as ``dynamic_fraction``
+    ``metrics`` (S,) [Pa] by name: rms over the interface at every step, as ``dynamic_fraction``
     takes them. The rms returned is that over interface and time; a fraction is that of a part over
     that of the hydrostatic pressure.
 

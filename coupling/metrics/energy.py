@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coupling.ports import Array
-from coupling.store.results import Results
+from coupling.store.step_series import StepSeries
 
 SHARES = {
     "liquid_J": "dissipated_by_liquid",
@@ -31,7 +31,7 @@ def rest(metrics: dict[str, Array]) -> Array:
     return np.asarray(metrics["dissipated"] - known)
 
 
-def energy_summary(results: Results, frequency: float | None, periods: int) -> dict[str, Any]:
+def energy_summary(steps: StepSeries, frequency: float | None, periods: int) -> dict[str, Any]:
     """Energies [J] of a run, from the balance that ``simulation.energy`` sums over every step.
 
     ``work_J`` and ``dissipated_J`` since the start; ``peak_J``: the largest mechanical energy above
@@ -43,22 +43,22 @@ def energy_summary(results: Results, frequency: float | None, periods: int) -> d
     stands beside the balance.
     Null without a balance.
     """
-    metrics = results.metrics
-    if "dissipated" not in metrics or len(results.time) == 0:
+    metrics = steps.metrics
+    if "dissipated" not in metrics or len(steps.time) == 0:
         return dict.fromkeys(("work_J", "dissipated_J", "peak_J", "per_period"))
     work = metrics["tank_work"] + metrics["datum_work"]
     return {
         "work_J": work[-1],
         "dissipated_J": metrics["dissipated"][-1],
         "peak_J": metrics["mechanical_energy"].max(),
-        "per_period": _per_period(results, work, frequency, periods)
+        "per_period": _per_period(steps, work, frequency, periods)
         if periods and frequency
         else None,
     }
 
 
-def _per_period(results: Results, work: Array, frequency: float, periods: int) -> dict[str, Any]:
-    metrics, time = results.metrics, results.time
+def _per_period(steps: StepSeries, work: Array, frequency: float, periods: int) -> dict[str, Any]:
+    metrics, time = steps.metrics, steps.time
     start = float(time[-1]) - periods / frequency
 
     def a_period(sums: Array) -> float:

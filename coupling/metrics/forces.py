@@ -21,13 +21,13 @@ def momentum_imbalance(
         int (F - m g) W dt = -m int a W dt - m int c W'' dt,
 
     and holds in a transient too. W = (1 - cos theta)^2 exp(-i omega t), theta from 0 to 2 pi over
-    the last ``periods``. What a model leaves out of c'' shows here, and the error of what was
-    written: the trapezoidal rule on the instants does not see a blow between them.
+    the last ``periods``. What a model leaves out of c'' shows here, and the error of the
+    steps: the trapezoidal rule on their ends does not see a blow between them.
 
     Parameters
     ----------
     time
-        Instants (T,) [s].
+        Ends of steps (T,) [s].
     force
         Force that the liquid exerts (T, 3) [N].
     cg

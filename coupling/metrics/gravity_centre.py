@@ -53,7 +53,7 @@ def neglected_momentum_transient(time: Array, cg: Array, tank_acceleration: Arra
     Parameters
     ----------
     time
-        Instants that were written out (T,) [s], increasing, not necessarily evenly spaced.
+        Ends of steps (T,) [s], increasing, not necessarily evenly spaced.
     cg
         The liquid's CG c in the tank frame (T, 3) [m].
     tank_acceleration
@@ -67,8 +67,8 @@ def neglected_momentum_transient(time: Array, cg: Array, tank_acceleration: Arra
 
     Notes
     -----
-    c'' comes from second differences of what was written out, h apart: noise e in the CG gives
-    4 e/h^2, and anything faster than some 5 instants is lost.
+    c'' comes from second differences over steps of h: noise e in the CG gives 4 e/h^2, and anything
+    faster than some 5 steps is lost.
     """
     largest = float(np.linalg.norm(tank_acceleration, axis=1).max(initial=0.0))
     if len(time) < 3 or largest < _STILL:

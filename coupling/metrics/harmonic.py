@@ -98,6 +98,11 @@ def first_harmonic(time: Array, signal: Array, frequency: float, *, periods: int
     return Harmonic(coefficient=fitted[1] - 1j * fitted[2], mean=fitted[0], periods=periods)
 
 
+def spans_two_periods(time: Array, frequency: float) -> bool:
+    """Whether the instants (N,) [s] span two periods of ``frequency`` [Hz]."""
+    return len(time) > 0 and bool((time[-1] - time[0]) * frequency >= 2.0 * (1.0 - 1e-9))
+
+
 def phasor_drift(time: Array, signal: Array, frequency: float) -> float | None:
     """Return by how much the first harmonic changed from the last period but one to the last.
 
@@ -116,7 +121,7 @@ def phasor_drift(time: Array, signal: Array, frequency: float) -> float | None:
         |c_last - c_before|/|c_last| [-]; None with less than two periods, with fewer than 4
         instants in either, or where nothing moves.
     """
-    if len(time) == 0 or (time[-1] - time[0]) * frequency < 2.0 * (1.0 - 1e-9):
+    if not spans_two_periods(time, frequency):
         return None
     ago = (time[-1] - time) * frequency  # periods
     phasors = []

@@ -15,7 +15,7 @@ def mesh_fit(metrics: Mapping[str, Array]) -> dict[str, float] | None:
     Parameters
     ----------
     metrics
-        Scalars of a run by name, each over its instants (T,).
+        Scalars of a run by name, each over its steps (S,).
 
     Returns
     -------

@@ -9,28 +9,18 @@ import numpy as np
 from coupling.estimate.strength import strength_verdict, stress_estimate
 from coupling.metrics import bernoulli
 from coupling.metrics.energy import energy_summary
-from coupling.metrics.forces import momentum_imbalance
-from coupling.metrics.gravity_centre import (
-    neglected_momentum,
-    neglected_momentum_transient,
-    peak_amplitude,
-)
-from coupling.metrics.harmonic import (
-    Harmonic,
-    first_harmonic,
-    last_whole_periods,
-    phasor_drift,
-)
+from coupling.metrics.gravity_centre import neglected_momentum, neglected_momentum_transient
+from coupling.metrics.harmonic import Harmonic
 from coupling.metrics.mesh_fit import mesh_fit
+from coupling.metrics.response import cg_summary, force_summary, harmonics, moment_summary
 from coupling.metrics.rubs import rub
 from coupling.metrics.strains import quantile
-from coupling.metrics.transfer import tank_phasor, transfer
 from coupling.metrics.viscosity import layer_resolution
-from coupling.ports import Array
 from coupling.scene.scene import Scene
 from coupling.store.atomic import plain
 from coupling.store.results import Results
 from coupling.store.run_record import RunStatistics
+from coupling.store.step_series import StepSeries
 
 
 def summarise(
@@ -38,22 +28,24 @@ def summarise(
 ) -> dict[str, Any]:
     """Everything of a run that fits into a few numbers, ready for JSON.
 
+    All of it is of every step, whatever ``time.output_every``, but for ``rubbing``, which is of the
+    last instant that was written out: the run's end, unless that was not reached.
+
     Amplitudes and phases are those of the first harmonic over the last whole periods, the phase
     against the tank's displacement. A run shorter than a period, or a motion without one, gives
     half the peak-to-peak range and no phase (null). A model without a flow does not know the
     liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
-    ``drift``: by how much a phasor changed in the last period (``phasor_drift``).
+    ``drift``: by how much a phasor changed in the last period (``phasor_drift``); ``transient``:
+    whether that is above 0.05, or the run shorter than two periods.
     ``transfer``: the CG over the tank's displacement d, the force over m omega^2 d. Peaks are the
-    largest sizes of each component at the instants written out, ``peak_dynamic_N`` less the weight.
+    largest sizes of each component at the ends of steps, ``peak_dynamic_N`` less the weight.
     ``cloth`` counts inner iterations of the solves that parts of steps end with;
     ``strain_tensile_p99`` is what strain stays below in 99 % of area and time.
-    ``rubbing`` is what had gathered at the last instant, null where nothing slid. What cannot be
-    said at all is null.
+    ``rubbing`` is what had gathered, null where nothing slid. What cannot be said at all is null.
     """
-    fits, strength = harmonics(results, scene), scene.diaphragm.strength
+    series, strength = results.steps, scene.diaphragm.strength
+    fits = harmonics(series, scene)
     periods = fits["cg"].periods if fits else 0
-    weight = scene.liquid.density * scene.liquid_volume * np.array(scene.gravity)
-    steps = max(statistics.steps, 1)
     content: dict[str, Any] = {
         "status": status,
         "model": scene.model.fluid,
@@ -75,28 +67,21 @@ def summarise(
         "volume_error_max": statistics.volume_error_max,
         "coupling": {
             "scheme": scene.coupling.scheme,
-            "iterations_mean": statistics.iterations_total / steps,
+            "iterations_mean": statistics.iterations_total / max(statistics.steps, 1),
             "iterations_max": statistics.iterations_max,
             "unconverged_steps": statistics.unconverged_steps,
         },
         "cloth": _cloth(statistics, scene),
-        "cg": _moving(results.liquid_cg, fits, "cg", "m")
-        | {"mean_m": _mean(results.liquid_cg, fits), "transfer": _transfer(fits, "cg")}
-        | {"drift": _drift(results.time, results.liquid_cg, scene)},
-        "force": _moving(results.force, fits, "force", "N")
-        | {"momentum_imbalance": _imbalance(results, scene, periods)}
-        | {"drift": _drift(results.time, results.force, scene)}
-        | {"peak_N": _peak(results.force), "peak_dynamic_N": _peak(results.force - weight)}
-        | {"transfer": _transfer(fits, "force", inertia=_inertia(scene))},
-        "moment": _moving(results.moment, fits, "moment", "Nm")
-        | {"peak_Nm": _peak(results.moment)},
-        "bernoulli": _bernoulli(results, statistics, scene, fits),
+        "cg": cg_summary(series, scene, fits),
+        "force": force_summary(series, scene, fits),
+        "moment": moment_summary(series, fits),
+        "bernoulli": _bernoulli(series, statistics, scene, fits),
         "pressure": bernoulli.pressure_split(
-            results.metrics, has_flow=statistics.speed_max is not None
+            series.metrics, has_flow=statistics.speed_max is not None
         ),
-        "boundary_layer": layer_resolution(results, scene.liquid.viscosity, scene.frequency),
-        "flow_mesh": mesh_fit(results.metrics),
-        "energy": energy_summary(results, scene.frequency, periods),
+        "boundary_layer": layer_resolution(series.metrics, scene.liquid.viscosity, scene.frequency),
+        "flow_mesh": mesh_fit(series.metrics),
+        "energy": energy_summary(series, scene.frequency, periods),
         "fitted_periods": periods,
         "error": error,
     }
@@ -127,94 +112,16 @@ def _rubbing(results: Results) -> dict[str, Any]:
     }
 
 
-def harmonics(results: Results, scene: Scene) -> dict[str, Harmonic]:
-    """First harmonics of ``cg``, ``force``, ``moment`` and the tank's ``displacement``.
-
-    Empty where there is no period, or no whole one in the results.
-    """
-    frequency = scene.frequency
-    if frequency is None:
-        return {}
-    ramp = scene.motion.ramp / frequency
-    chosen, periods = last_whole_periods(results.time, frequency, start=ramp)
-    if periods == 0:
-        return {}
-    signals = {
-        "cg": results.liquid_cg,
-        "force": results.force,
-        "moment": results.moment,
-        "displacement": results.tank_displacement,
-    }
-    return {
-        name: first_harmonic(results.time[chosen], signal[chosen], frequency, periods=periods)
-        for name, signal in signals.items()
-    }
-
-
-def _moving(signal: Array, fits: dict[str, Harmonic], name: str, unit: str) -> dict[str, Any]:
-    if fits:
-        tank = fits["displacement"].coefficient
-        reference = complex(tank[np.argmax(np.abs(tank))])
-        return {
-            f"amplitude_{unit}": fits[name].amplitude,
-            "phase_deg": fits[name].phase_deg(reference),
-        }
-    amplitude = peak_amplitude(signal) if len(signal) > 1 else [None] * 3
-    return {f"amplitude_{unit}": amplitude, "phase_deg": [None] * 3}
-
-
-def _transfer(fits: dict[str, Harmonic], name: str, inertia: float = 1.0) -> dict[str, Any] | None:
-    """Of ``name`` over ``inertia`` times the tank's displacement; None without a period."""
-    if not fits:
-        return None
-    return transfer(fits[name], inertia * tank_phasor(fits["displacement"].coefficient))
-
-
-def _inertia(scene: Scene) -> float:
-    """m omega^2 [N/m] of the liquid."""
-    mass = scene.liquid.density * scene.liquid_volume
-    return mass * (2.0 * np.pi * (scene.frequency or 0.0)) ** 2
-
-
-def _peak(signal: Array) -> Any:
-    return np.abs(signal).max(axis=0) if len(signal) else [None] * 3
-
-
-def _mean(signal: Array, fits: dict[str, Harmonic]) -> Any:
-    if fits:
-        return fits["cg"].mean
-    return signal.mean(axis=0) if len(signal) else [None] * 3
-
-
-def _drift(time: Array, signal: Array, scene: Scene) -> float | None:
-    return phasor_drift(time, signal, scene.frequency) if scene.frequency else None
-
-
-def _imbalance(results: Results, scene: Scene, periods: int) -> float | None:
-    if not scene.frequency:
-        return None
-    return momentum_imbalance(
-        results.time,
-        force=results.force,
-        cg=results.liquid_cg,
-        acceleration=results.tank_acceleration,
-        gravity=np.array(scene.gravity),
-        mass=scene.liquid.density * scene.liquid_volume,
-        frequency=scene.frequency,
-        periods=periods,
-    )
-
-
 def _bernoulli(
-    results: Results, statistics: RunStatistics, scene: Scene, fits: dict[str, Harmonic]
+    steps: StepSeries, statistics: RunStatistics, scene: Scene, fits: dict[str, Harmonic]
 ) -> dict[str, float | None]:
     gravity, radius = np.array(scene.gravity), scene.tank.shell.size
-    body_force = bernoulli.effective_gravity(gravity, results.tank_acceleration)
+    body_force = bernoulli.effective_gravity(gravity, steps.tank_acceleration)
     if fits:
         momentum = neglected_momentum(fits["cg"].coefficient, fits["displacement"].coefficient)
     else:
         momentum = neglected_momentum_transient(
-            results.time, results.liquid_cg, results.tank_acceleration
+            steps.time, steps.liquid_cg, steps.tank_acceleration
         )
     return {
         "kinetic_ratio": bernoulli.kinetic_ratio(
@@ -223,13 +130,7 @@ def _bernoulli(
         "unsteady_ratio": bernoulli.unsteady_ratio(
             body_force=body_force, radius=radius, dphi_dt_max=statistics.dphi_dt_max
         ),
-        "dynamic_fraction": bernoulli.dynamic_fraction(
-            position=results.position,
-            triangles=results.triangles,
-            dynamic_pressure=results.dynamic_pressure,
-            body_force=gravity - results.tank_acceleration,
-            density=scene.liquid.density,
-        ),
+        "dynamic_fraction": bernoulli.dynamic_fraction(steps.metrics),
         "neglected_momentum": momentum,
         **bernoulli.thesis_estimates(
             body_force=body_force,

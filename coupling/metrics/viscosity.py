@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
-from coupling.store.results import Results
+from coupling.ports import Array
 
 
 def stokes_layer(viscosity: float, frequency: float) -> float:
@@ -19,16 +20,16 @@ def stokes_layer(viscosity: float, frequency: float) -> float:
 
 
 def layer_resolution(
-    results: Results, viscosity: float, frequency: float | None
+    metrics: Mapping[str, Array], viscosity: float, frequency: float | None
 ) -> dict[str, float | None]:
     """``stokes_layer_m`` [m]; ``wall_cell_m`` [m], the mean height of the cells at the walls over
-    the run; ``cells_in_layer``: the one over the other.
+    the run; ``cells_in_layer``: the one over the other. ``metrics``: a run's scalars by name (S,).
 
     Below some 5 cells in the layer the solver's wall friction is not the liquid's. None where the
     motion has no frequency, or the model no mesh.
     """
     layer = stokes_layer(viscosity, frequency) if frequency else None
-    distance = results.metrics.get("wall_distance", np.zeros(0))
+    distance = metrics.get("wall_distance", np.zeros(0))
     known = distance[np.isfinite(distance)]
     cell = 2.0 * float(known.mean()) if len(known) else None
     return {

@@ -88,9 +88,7 @@ class _Run:
         self.burst = burst_warning(scene)
         self.results = self._begun_results() if saved is None else self._kept_results(saved)
         self.iterations = (
-            IterationLog(folder)
-            if saved is None
-            else IterationLog.resume(folder, until=saved.step * scene.time.step)
+            IterationLog(folder) if saved is None else IterationLog.resume(folder, until=saved.time)
         )
         self.pace = Pace(_CHECKPOINT_SHARE)
         self.clock = perf_counter()
@@ -105,8 +103,9 @@ class _Run:
     def _kept_results(self, saved: SavedRun) -> ResultsWriter:
         (self.folder / SUMMARY).unlink(missing_ok=True)  # of the part before
         return ResultsWriter.resume(
-            self.folder, until=saved.last_output, scene_toml=self._scene_as_written()
-        )
+            self.folder, until=saved.last_output, steps_until=saved.time,
+            scene_toml=self._scene_as_written(),
+        )  # fmt: skip
 
     def from_start(self) -> dict[str, Any]:
         """The whole run; returns the summary."""
@@ -130,7 +129,7 @@ class _Run:
         self.progress("settle", 0.0, 0.0, "settled")
         self.sides.start(self.iterations.write)
         self.energy.start(self.sides.instant(0.0, None), stored_in(self.sides.cloth, None))
-        self._write(0.0, AT_REST)
+        self._write(0.0, AT_REST, output=True)
         self._save(0)
         self._loop(0)
 
@@ -157,8 +156,8 @@ class _Run:
             self.energy.add(time.step, self.sides.instant(after, liquid), work)
             self.tally.statistics.steps = step + 1
             self.tally.statistics.simulated_s = after
-            if (step + 1) % time.output_every == 0 or step + 1 == time.steps:
-                self._write(after, report)
+            output = (step + 1) % time.output_every == 0 or step + 1 == time.steps
+            self._write(after, report, output=output)
             if self._checkpoint_due(step + 1):
                 self._save(step + 1)
             self.progress("shake", after, time.end, self._text(report))
@@ -179,12 +178,14 @@ class _Run:
             text += f", {self.tally.statistics.unconverged_steps} steps unconverged"
         return text
 
-    def _write(self, time: float, report: StepReport) -> None:
+    def _write(self, time: float, report: StepReport, *, output: bool) -> None:
+        """Put the end of a step on record, and with ``output`` what is over nodes as well."""
         energies = self.energy.metrics(stored_in(self.sides.cloth, report.sample))
         sample = self.sides.sample(time, report, energies)
         clock = perf_counter()
-        self.results.append(sample)
-        self.sides.write_fields()
+        self.results.append(sample if output else sample.at_step())
+        if output:
+            self.sides.write_fields()
         self.tally.seconds("output", clock)
 
     def _save(self, step: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from coupling.ports import Array, Ints
 from coupling.store import results_layout as layout
 from coupling.store.atomic import H5_ERRORS, UnreadableFile
 from coupling.store.results_head import FILE
+from coupling.store.step_series import StepSeries
 from coupling.store.stored_rows import StoredRows
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ class Results:
     ``pressure``, ``dynamic_pressure`` (T, n); ``strain``, ``tension`` (T, m);
     ``shell_slip``, ``self_slip`` (T, n); ``volume``, ``datum_pressure``,
     ``iterations``, ``residual`` (T,); ``metrics`` by name, (T,) each, in ``metric_units``.
+    ``every_step``: what the file keeps of every step, None in files of older versions.
     """
 
     model: str
@@ -55,6 +57,15 @@ class Results:
     residual: Array
     metrics: dict[str, Array]
     metric_units: dict[str, str]
+    every_step: StepSeries | None = None
+
+    @property
+    def steps(self) -> StepSeries:
+        """All but what is over nodes and triangles, at every step; else at the instants."""
+        if self.every_step is not None:
+            return self.every_step
+        names = [item.name for item in fields(StepSeries)]
+        return StepSeries(**{name: getattr(self, name) for name in names})
 
     @property
     def units(self) -> dict[str, str]:
@@ -63,7 +74,10 @@ class Results:
         return {"triangles": "-", "reference": "m", **fields, **self.metric_units}
 
     def to_xarray(self) -> xr.Dataset:
-        """Return all arrays as a dataset over time, node, triangle and axis, with their units."""
+        """Return all arrays as a dataset over time, node, triangle and axis, with their units.
+
+        Those of every step are over ``step_time``, with ``step_`` before their names.
+        """
         from coupling.store.results_dataset import dataset_of
 
         return dataset_of(self)
@@ -117,4 +131,12 @@ def _results(file: Any, taken: Callable[[str, Any], Any]) -> Results:
         metrics={name: metrics[name][()] for name in metrics},
         metric_units={name: str(metrics[name].attrs["unit"]) for name in metrics},
         **{name: taken(name, file[dataset]) for dataset, (name, _) in layout.FIELDS.items()},
+        every_step=_steps(file[layout.STEPS]) if layout.STEPS in file else None,
+    )
+
+
+def _steps(group: Any) -> StepSeries:
+    return StepSeries(
+        metrics={name: dataset[()] for name, dataset in group["metrics"].items()},
+        **{name: group[dataset][()] for dataset, (name, _) in layout.STEP_FIELDS.items()},
     )

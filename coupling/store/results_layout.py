@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from coupling.ports import Array, Ints
 from coupling.store import xdmf
-from coupling.store.run_record import Sample
+from coupling.store.run_record import Sample, StepSample
 
 SCHEMA = "diaphragm-tank results 1"
+STEPS = "steps"  # group of what is kept of every step
 
 # dataset: (attribute of Sample and of Results, unit)
 FIELDS = {
@@ -40,6 +41,13 @@ _DIMS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(
         ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment"), ("axis",)
     ),
+}
+_OVER_SURFACE = {"node", "triangle"}
+# Those of every step, in the group ``STEPS``, as in FIELDS.
+STEP_FIELDS = {
+    dataset: (name, unit)
+    for dataset, (name, unit) in FIELDS.items()
+    if _OVER_SURFACE.isdisjoint(_DIMS.get(name, ()))
 }
 # fmt: off
 METRIC_UNITS = {
@@ -89,11 +97,12 @@ def create(file: Any, attributes: Mapping[str, str], reference: Array, triangles
     file.attrs.update({"schema": SCHEMA, **attributes})
     _dataset(file, "diaphragm/triangles", np.asarray(triangles, np.int64), "-")
     _dataset(file, "diaphragm/reference", np.asarray(reference, float), "m")
-    file.create_group("metrics")
     sizes = {"node": len(reference), "triangle": len(triangles), "axis": 3}
-    for dataset, (name, unit) in FIELDS.items():
-        shape = tuple(sizes[dimension] for dimension in dims_of(name))
-        _growing(file, dataset, shape, unit, integer=name == "iterations")
+    for group, datasets in ((file, FIELDS), (file.create_group(STEPS), STEP_FIELDS)):
+        group.create_group("metrics")
+        for dataset, (name, unit) in datasets.items():
+            shape = tuple(sizes[dimension] for dimension in dims_of(name))
+            _growing(group, dataset, shape, unit, integer=name == "iterations")
 
 
 def dims_of(name: str) -> tuple[str, ...]:
@@ -103,7 +112,7 @@ def dims_of(name: str) -> tuple[str, ...]:
 
 def is_field(name: str) -> bool:
     """Whether a row of a field is over the nodes or triangles, by its name in ``Results``."""
-    return not {"node", "triangle"}.isdisjoint(dims_of(name))
+    return not _OVER_SURFACE.isdisjoint(dims_of(name))
 
 
 def _dataset(file: Any, name: str, values: Any, unit: str) -> None:
@@ -124,26 +133,44 @@ def _growing(
 
 
 def extend(file: Any, written: int, samples: Sequence[Sample]) -> None:
-    """Append ``samples`` after the ``written`` rows; a metric that a sample lacks is NaN there.
+    """Append ``samples`` after the ``written`` instants; a metric that a sample lacks is NaN there.
 
     So is one that begins late, in the rows before.
     """
+    _extend(file, FIELDS, written, samples)
+    xdmf.link_instants(file, written, written + len(samples))
+
+
+def extend_steps(file: Any, written: int, samples: Sequence[StepSample]) -> None:
+    """Append ``samples`` after the ``written`` steps, as ``extend``."""
+    _extend(file[STEPS], STEP_FIELDS, written, samples)
+
+
+def _extend(
+    group: Any, datasets: Iterable[str], written: int, samples: Sequence[StepSample]
+) -> None:
     total = written + len(samples)
-    for dataset, (name, _) in FIELDS.items():
-        file[dataset].resize(total, axis=0)
-        file[dataset][written:] = np.stack([np.asarray(getattr(item, name)) for item in samples])
-    for name in {key for sample in samples for key in sample.metrics} - set(file["metrics"]):
-        _growing(file, f"metrics/{name}", (), METRIC_UNITS.get(name, "-"))
-        file[f"metrics/{name}"].resize(written, axis=0)
-        file[f"metrics/{name}"][:] = np.nan
-    for name, dataset in file["metrics"].items():
+    for dataset in datasets:
+        name, _ = FIELDS[dataset]
+        group[dataset].resize(total, axis=0)
+        group[dataset][written:] = np.stack([np.asarray(getattr(item, name)) for item in samples])
+    for name in {key for sample in samples for key in sample.metrics} - set(group["metrics"]):
+        _growing(group, f"metrics/{name}", (), METRIC_UNITS.get(name, "-"))
+        group[f"metrics/{name}"].resize(written, axis=0)
+        group[f"metrics/{name}"][:] = np.nan
+    for name, dataset in group["metrics"].items():
         dataset.resize(total, axis=0)
         dataset[written:] = [sample.metrics.get(name, np.nan) for sample in samples]
-    xdmf.link_instants(file, written, total)
 
 
-def truncate(file: Any, keep: int) -> None:
-    """Drop the rows from number ``keep`` on."""
-    for dataset in [*FIELDS, *(f"metrics/{name}" for name in file["metrics"])]:
-        file[dataset].resize(keep, axis=0)
+def truncate(file: Any, keep: int, keep_steps: int) -> None:
+    """Drop the instants from number ``keep`` on, and the steps from number ``keep_steps`` on."""
+    _truncate(file, FIELDS, keep)
     xdmf.unlink_instants(file, keep)
+    if STEPS in file:
+        _truncate(file[STEPS], STEP_FIELDS, keep_steps)
+
+
+def _truncate(group: Any, datasets: Iterable[str], keep: int) -> None:
+    for dataset in [*datasets, *(f"metrics/{name}" for name in group["metrics"])]:
+        group[dataset].resize(keep, axis=0)

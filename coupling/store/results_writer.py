@@ -1,6 +1,7 @@
 """What writes ``results.h5`` and ``results.xdmf``: whole at any moment, also after a kill.
 
-Samples gather in memory and are appended to a second copy of the file, which then takes its name
+Instants, with all that is over nodes and triangles, and steps, with the rest alone, gather in
+memory and are appended to a second copy of the file, which then takes its name
 (``AlternatingFile``). So the file with the name is always whole, nothing is written more than
 twice, and the copy costs disk space once more while a run goes.
 """
@@ -20,8 +21,9 @@ from coupling.store import xdmf
 from coupling.store.alternating import AlternatingFile
 from coupling.store.atomic import replacing, write_text
 from coupling.store.pace import Pace
-from coupling.store.results_head import FILE, read_times
-from coupling.store.run_record import Sample
+from coupling.store.results_head import FILE, read_step_times, read_times
+from coupling.store.run_record import Sample, StepSample
+from coupling.store.waiting_rows import WaitingRows
 
 XDMF_FILE = "results.xdmf"
 
@@ -35,15 +37,21 @@ class ResultsWriter:
     the last writing is 20 times its cost, or until ``flush``. The first is written at once.
     """
 
-    def __init__(self, folder: Path | str, sizes: tuple[int, int], *, written: int = 0) -> None:
+    def __init__(
+        self,
+        folder: Path | str,
+        sizes: tuple[int, int],
+        *,
+        instants: int = 0,
+        steps: int | None = 0,
+    ) -> None:
+        """Go on after so many ``instants`` and ``steps``; None for a file that keeps no steps."""
         self._folder = Path(folder)
         self._results = AlternatingFile(self._folder / FILE)
         self._xdmf = AlternatingFile(self._folder / XDMF_FILE)
         self._sizes = sizes  # numbers of nodes and triangles
-        self._written = written  # samples that stand in the file
-        # Samples from row ``_first`` on: the last written, which a second copy lacks, and more.
-        self._kept: list[Sample] = []
-        self._first = written
+        self._instants = WaitingRows[Sample](instants)
+        self._steps = None if steps is None else WaitingRows[StepSample](steps)
         self._pace = Pace(_WRITING_SHARE)
 
     @classmethod
@@ -86,39 +94,67 @@ class ResultsWriter:
 
     @classmethod
     def resume(
-        cls, folder: Path | str, *, until: float, scene_toml: str | None = None
+        cls,
+        folder: Path | str,
+        *,
+        until: float,
+        steps_until: float | None = None,
+        scene_toml: str | None = None,
     ) -> ResultsWriter:
-        """Go on with a folder's results after dropping the samples later than ``until`` [s].
+        """Go on with a folder's results after dropping what is later.
 
-        ``scene_toml`` stands for the one that is in the file, if given.
+        Results that a version without steps began stay without them.
+
+        Parameters
+        ----------
+        folder
+            The run's folder.
+        until, steps_until
+            The last instant and the end of the last step to keep [s]; without the second both are
+            the same.
+        scene_toml
+            Stands for the one that is in the file, if given.
 
         Raises
         ------
         UnreadableFile
             The folder has no readable results.
         """
-        times = read_times(folder)
-        keep = int(np.searchsorted(times, until + 1e-9 * max(1.0, abs(until)), side="right"))
-        writer = cls(folder, _sizes(Path(folder) / FILE), written=keep)
+        times, ends = read_times(folder), read_step_times(folder)
+        keep, keep_steps = _until(times, until), 0
+        if ends is not None:
+            keep_steps = _until(ends, until if steps_until is None else steps_until)
+        writer = cls(
+            folder, _sizes(Path(folder) / FILE), instants=keep,
+            steps=None if ends is None else keep_steps,
+        )  # fmt: skip
         # the list of times first: it must never name what results.h5 lacks
         write_text(writer._folder / XDMF_FILE, xdmf.document(FILE, times[:keep], *writer._sizes))
-        if keep < len(times) or scene_toml is not None:
+        dropped = keep < len(times) or (ends is not None and keep_steps < len(ends))
+        if dropped or scene_toml is not None:
             with replacing(writer._folder / FILE) as part:
                 shutil.copyfile(writer._folder / FILE, part)
                 with h5py.File(part, "r+") as file:
-                    layout.truncate(file, keep)
+                    layout.truncate(file, keep, keep_steps)
                     if scene_toml is not None:
                         file.attrs["scene"] = scene_toml
         return writer
 
     @property
     def rows(self) -> int:
-        """Number of samples taken."""
-        return self._first + len(self._kept)
+        """Number of instants taken."""
+        return len(self._instants)
 
-    def append(self, sample: Sample) -> None:
-        """Take one instant; it is in the file after the next ``flush`` at the latest."""
-        self._kept.append(sample)
+    def append(self, sample: StepSample) -> None:
+        """Take the end of a step; it is in the file after the next ``flush`` at the latest.
+
+        A ``Sample`` is an instant too.
+        """
+        if isinstance(sample, Sample):
+            self._instants.kept.append(sample)
+            sample = sample.at_step()
+        if self._steps is not None:
+            self._steps.kept.append(sample)
         if self._pace.due:
             self.flush()
 
@@ -130,7 +166,7 @@ class ResultsWriter:
         RunFailed
             The disk is full or cannot be written; the former files stay as they were.
         """
-        if self.rows == self._written:
+        if not (self._instants.wait or (self._steps is not None and self._steps.wait)):
             return
         try:
             with self._pace.timed():
@@ -139,22 +175,27 @@ class ResultsWriter:
         except RunFailed:
             self._leave_room()
             raise
-        rows = self.rows
-        del self._kept[: self._written - self._first]
-        self._first, self._written = self._written, rows
+        self._instants.note_written()
+        if self._steps is not None:
+            self._steps.note_written()
 
     def _extend_results(self) -> None:
         # Without a cache of chunks a full disk is an OSError here, not a crash on the way out.
         with self._results.extending() as copy, h5py.File(copy, "r+", rdcc_nbytes=0) as file:
             there = len(file["time"])
-            if there < self.rows:  # else an earlier try got so far and no further
-                layout.extend(file, there, self._kept[there - self._first :])
+            if there < len(self._instants):  # else both copies have all, or an earlier try
+                layout.extend(file, there, self._instants.after(there))  # got so far and no further
+            if self._steps is not None:
+                there = len(file[layout.STEPS]["time"])
+                if there < len(self._steps):
+                    layout.extend_steps(file, there, self._steps.after(there))
 
     def _extend_xdmf(self) -> None:
-        path, times = self._folder / XDMF_FILE, [sample.time for sample in self._kept]
+        path, times = self._folder / XDMF_FILE, [sample.time for sample in self._instants.kept]
         if path.is_file():
-            with self._xdmf.extending() as copy:
-                xdmf.extend(copy, FILE, self._first, times, *self._sizes)
+            if times:  # else both copies have all of them
+                with self._xdmf.extending() as copy:
+                    xdmf.extend(copy, FILE, self._instants.first, times, *self._sizes)
         else:
             write_text(path, xdmf.document(FILE, np.array(times), *self._sizes))
 
@@ -169,6 +210,11 @@ class ResultsWriter:
         """Remove the second copies, which the next writing makes anew."""
         self._results.close()
         self._xdmf.close()
+
+
+def _until(times: Array, last: float) -> int:
+    """How many of ``times`` (T,) [s] are not after the ``last`` [s]."""
+    return int(np.searchsorted(times, last + 1e-9 * max(1.0, abs(last)), side="right"))
 
 
 def _version() -> str:

@@ -20,7 +20,7 @@ from coupling.scene.scene import Scene
 from coupling.store import checkpoint
 from coupling.store.folder_lock import FolderError
 from coupling.store.results_head import FILE as RESULTS
-from coupling.store.results_head import read_scene_hash, read_times
+from coupling.store.results_head import read_scene_hash, read_step_times, read_times
 from coupling.store.run_record import is_whole, read_summary
 
 CHECKPOINT = "checkpoint.h5"
@@ -31,11 +31,13 @@ _TABLES = "tables"  # part of a checkpoint
 class SavedRun:
     """A run as its last checkpoint has it, after ``step`` steps.
 
-    ``parts`` and ``statistics`` as they were saved; ``last_output`` [s]: the last instant of the
-    results to keep. ``finished``: the summary of a run that has nothing left to compute.
+    ``parts`` and ``statistics`` as they were saved; ``time`` [s]: where it stands; ``last_output``
+    [s]: the last instant of the results to keep. ``finished``: the summary of a run that has
+    nothing left to compute.
     """
 
     step: int
+    time: float
     last_output: float
     parts: Mapping[str, Mapping[str, AnyArray]]
     statistics: dict[str, Any]
@@ -85,8 +87,9 @@ def saved_run(folder: Path, scene: Scene) -> SavedRun | None:
     former = Content(values=attributes["scene"], tables=unpacked_tables(parts.pop(_TABLES)))
     _check_same_scene(folder, former, content_of(scene))
     step, rows = int(attributes["step"]), int(attributes["rows"])
-    times = read_times(folder)
-    if read_scene_hash(folder) != attributes["scene_hash"] or len(times) < rows:
+    times, ends = read_times(folder), read_step_times(folder)
+    fewer = len(times) < rows or (ends is not None and len(ends) <= step)
+    if read_scene_hash(folder) != attributes["scene_hash"] or fewer:
         raise FolderError(
             f"{folder}: {CHECKPOINT} and {RESULTS} are of different runs. Put those of one run "
             f"there, or run the scene again: edt run {folder / 'scene.toml'} -o ANOTHER."
@@ -102,6 +105,7 @@ def saved_run(folder: Path, scene: Scene) -> SavedRun | None:
     summary = read_summary(folder)
     return SavedRun(
         step=step,
+        time=step * scene.time.step,
         last_output=float(times[rows - 1]),
         parts=parts,
         statistics=attributes["statistics"],

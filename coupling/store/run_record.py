@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -20,29 +20,19 @@ _PARTS: dict[str, type | tuple[type, ...]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sample:
-    """One instant of a run, as it goes into the results (tank frame, SI).
+class StepSample:
+    """The end of a step as it goes into the results, but for what is over nodes and triangles.
 
-    Shapes: ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``, ``moment``
-    (3,); ``position`` (n, 3); ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and
-    p* with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
-    ``self_slip`` (n,) [m]. ``force`` [N] and ``moment`` [N m] act on tank and
-    diaphragm, about the tank's centre. ``tank_acceleration`` [m/s^2] is the one at ``time``, of a
-    record its mean over the time step that ends there. ``metrics``: further scalars by name
-    (``speed_max``, ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample
-    of a run.
+    In the tank's frame, SI. ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``
+    and ``moment`` (3,): ``force`` [N] and ``moment`` [N m] act on tank and diaphragm, about the
+    tank's centre; ``tank_acceleration`` [m/s^2] is the one at ``time``, of a record its mean over
+    the time step that ends there. ``metrics``: further scalars by name (``speed_max``,
+    ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample of a run.
     """
 
     time: float
     tank_acceleration: Array
     tank_displacement: Array
-    position: Array
-    pressure: Array
-    dynamic_pressure: Array
-    strain: Array
-    tension: Array
-    shell_slip: Array
-    self_slip: Array
     volume: float
     datum_pressure: float
     liquid_cg: Array
@@ -51,6 +41,28 @@ class Sample:
     iterations: int
     residual: float
     metrics: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample(StepSample):
+    """The same with what is over nodes and triangles: an instant that is written out.
+
+    ``position`` (n, 3) [m]; ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and p*
+    with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
+    ``self_slip`` (n,) [m].
+    """
+
+    position: Array
+    pressure: Array
+    dynamic_pressure: Array
+    strain: Array
+    tension: Array
+    shell_slip: Array
+    self_slip: Array
+
+    def at_step(self) -> StepSample:
+        """Return the same without what is over nodes and triangles."""
+        return StepSample(**{item.name: getattr(self, item.name) for item in fields(StepSample)})
 
 
 @dataclass(kw_only=True)

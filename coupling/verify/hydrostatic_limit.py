@@ -7,7 +7,7 @@ from time import perf_counter
 import numpy as np
 
 from coupling.estimate.numbers import numbers_of
-from coupling.metrics.summary import harmonics
+from coupling.metrics.response import harmonics
 from coupling.ports import RunFailed
 from coupling.verify.case import VerifyResult, quantity
 from coupling.verify.sheets import within
@@ -72,7 +72,7 @@ def _transfer(
         cloth={"resolution": rings, "iterations": ITERATIONS},
         time={"duration": 2.0 / frequency, "step": 1.0 / (STEPS_A_PERIOD * frequency)},
     )
-    fits, ratio = harmonics(results, scene), numbers_of(scene).frequency_ratio
+    fits, ratio = harmonics(results.steps, scene), numbers_of(scene).frequency_ratio
     if not fits or ratio is None:
         raise RunFailed("verify hydrostatic-limit: the run holds no whole period.")
     cg, tank = fits["cg"].coefficient[0], fits["displacement"].coefficient[0]
