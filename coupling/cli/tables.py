@@ -51,7 +51,7 @@ def _ratio(value: Any) -> str:
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     """The main figures of a run's ``summary.json`` and where the results are."""
     coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
-    bernoulli = summary.get("bernoulli") or {}
+    bernoulli, mark = summary.get("bernoulli") or {}, ", transient" if cg.get("transient") else ""
     period = (summary.get("energy") or {}).get("per_period") or {}
     rows = [
         ("status", summary.get("status")),
@@ -63,8 +63,8 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("iterations a step, mean", coupling.get("iterations_mean")),
         ("iterations a step, most", coupling.get("iterations_max")),
         ("unconverged steps", coupling.get("unconverged_steps")),
-        ("CG amplitude [m]", cg.get("amplitude_m")),
-        ("CG phase [deg]", cg.get("phase_deg")),
+        ("CG amplitude [m]", figure(cg.get("amplitude_m")) + mark),
+        ("CG phase [deg]", figure(cg.get("phase_deg")) + mark),
         ("hydrostatic over kinetic, thesis Eq. 4.6", _ratio(bernoulli.get("eq46_as_printed"))),
         ("... by the words of its text", _ratio(bernoulli.get("eq46_as_worded"))),
         ("... as measured", _ratio(bernoulli.get("kinetic_ratio"))),

@@ -28,8 +28,7 @@ def summarise(
 ) -> dict[str, Any]:
     """Everything of a run that fits into a few numbers, ready for JSON.
 
-    All of it is of every step, whatever ``time.output_every``, but for ``rubbing``, which is of the
-    last instant that was written out: the run's end, unless that was not reached.
+    All of it is of every step, whatever ``time.output_every``, but for ``flow_fields_bytes``.
 
     Amplitudes and phases are those of the first harmonic over the last whole periods, the phase
     against the tank's displacement. A run shorter than a period, or a motion without one, gives
@@ -41,7 +40,8 @@ def summarise(
     largest sizes of each component at the ends of steps, ``peak_dynamic_N`` less the weight.
     ``cloth`` counts inner iterations of the solves that parts of steps end with;
     ``strain_tensile_p99`` is what strain stays below in 99 % of area and time.
-    ``rubbing`` is what had gathered, null where nothing slid. What cannot be said at all is null.
+    ``rubbing`` is what had gathered at the end, null where nothing slid. What cannot be said at all
+    is null.
     """
     series, strength = results.steps, scene.diaphragm.strength
     fits = harmonics(series, scene)

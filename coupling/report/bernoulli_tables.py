@@ -16,7 +16,9 @@ def bernoulli_table(run: RunFiles) -> Table:
     rows = []
     if scene.frequency is not None:
         estimate = thesis_estimates(
-            body_force=effective_gravity(np.array(scene.gravity), run.results.tank_acceleration),
+            body_force=effective_gravity(
+                np.array(scene.gravity), run.results.steps.tank_acceleration
+            ),
             radius=scene.tank.shell.size,
             frequency=scene.frequency,
         )

@@ -29,7 +29,7 @@ _ROWS = {
 def energy_section(run: RunFiles) -> Section | None:
     """The energy balance of a run; None where its files hold none, or nothing moved."""
     energy = run.summary.get("energy")
-    if not energy or not energy["peak_J"] or len(run.results.time) < 2:
+    if not energy or not energy["peak_J"] or len(run.results.steps.time) < 2:
         return None
     return Section(
         title="Where the energy goes",
@@ -105,7 +105,7 @@ def _note(run: RunFiles) -> str:
 
 def _stored(run: RunFiles) -> Picture:
     """Energies over time."""
-    metrics, time = run.results.metrics, run.results.time
+    metrics, time = run.results.steps.metrics, run.results.steps.time
     figure = new_figure()
     axes = figure.subplots()
     axes.plot(*thinned(time, metrics["mechanical_energy"]), color=INK, label="all")
@@ -121,7 +121,7 @@ def _stored(run: RunFiles) -> Picture:
 
 def _lost(run: RunFiles) -> Picture:
     """Work and dissipation since the start, over time."""
-    metrics, time = run.results.metrics, run.results.time
+    metrics, time = run.results.steps.metrics, run.results.steps.time
     figure = new_figure()
     axes = figure.subplots()
     work = metrics["tank_work"] + metrics["datum_work"]

@@ -31,17 +31,17 @@ _ROUNDING = 1e-9  # mm or N: what stays below it has not moved
 
 
 def motion_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Picture:
-    """Return a picture of the tank's displacement, and ``signal`` (T, 3) below it, by component."""
+    """Return a picture of the tank's displacement, and ``signal`` (S, 3) below it, by component."""
     figure = new_figure(height=3.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2))
-    moved = run.results.tank_displacement
+    moved, time = run.results.steps.tank_displacement, run.results.steps.time
     main = int(np.argmax(np.ptp(moved, axis=0)))
-    upper.plot(*thinned(run.results.time, 1e3 * moved[:, main]), color=GREY)
+    upper.plot(*thinned(time, 1e3 * moved[:, main]), color=GREY)
     upper.set_ylabel("tank (mm)")
     largest = float(np.ptp(signal, axis=0).max())
     for axis, (name, colour, line) in enumerate(COMPONENTS):
         if np.ptp(signal[:, axis]) >= _SMALL * largest:
-            x, y = thinned(run.results.time, signal[:, axis])
+            x, y = thinned(time, signal[:, axis])
             lower.plot(x, y, line, color=colour, label=name)
     if largest < _ROUNDING:
         lower.set_ylim(-1.0, 1.0)
@@ -118,12 +118,13 @@ def coupling_figure(run: RunFiles) -> Picture:
 
 def mesh_figure(run: RunFiles) -> Picture | None:
     """Return a picture of the flow's largest non-orthogonality; None where there is no mesh."""
-    values = run.results.metrics.get("non_orthogonality_max")
+    steps = run.results.steps
+    values = steps.metrics.get("non_orthogonality_max")
     if values is None or not np.isfinite(values).any():
         return None
     figure = new_figure()
     axes = figure.subplots()
-    axes.plot(*thinned(run.results.time, values), color=INK)
+    axes.plot(*thinned(steps.time, values), color=INK)
     axes.axhline(70.0, color=ORANGE, linewidth=1.0, linestyle="--")
     axes.set_ylim(bottom=0.0)
     axes.set(xlabel="time (s)", ylabel="non-orthogonality (deg)")
@@ -148,20 +149,22 @@ def volume_figure(run: RunFiles) -> Picture:
     """Return a picture of the relative error of the liquid's volume over time."""
     figure = new_figure()
     axes = figure.subplots()
-    error = np.abs(run.results.volume / run.scene.liquid_volume - 1.0)
-    axes.semilogy(*thinned(run.results.time, np.maximum(error, 1e-17)), color=INK)
+    steps = run.results.steps
+    error = np.abs(steps.volume / run.scene.liquid_volume - 1.0)
+    axes.semilogy(*thinned(steps.time, np.maximum(error, 1e-17)), color=INK)
     axes.set(xlabel="time (s)", ylabel="relative volume error")
     text = "Volume under the diaphragm against the liquid's own (rounding is 1e-16)."
     return Picture(source=svg(figure), caption=text, alt=text)
 
 
-def overlay(runs: Sequence[RunFiles], curves: Sequence[Array], label: str, caption: str) -> Picture:
-    """Return a picture with one curve (T,) of each run, in its model's colour."""
+def overlay(
+    runs: Sequence[RunFiles], curves: Sequence[tuple[Array, Array]], label: str, caption: str
+) -> Picture:
+    """Return a picture with one curve of each run, times and values (T,), in its model's colour."""
     figure = new_figure(height=2.7)
     axes = figure.subplots()
     for run, curve in zip(runs, curves, strict=True):
-        x, y = thinned(run.results.time, curve)
-        axes.plot(x, y, **model_line(run.label))
+        axes.plot(*thinned(*curve), **model_line(run.label))
     axes.set(xlabel="time (s)", ylabel=label)
     legend_above(axes, columns=_ABREAST)
     return Picture(source=svg(figure), caption=caption, alt=caption)

@@ -69,16 +69,17 @@ def read_run(folder: Path) -> RunFiles:
 
 
 def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics:
-    """What an unfinished run's files say of it: instants written out, not all steps."""
-    if len(results.time) == 0:
+    """What an unfinished run's files say of it: strain and stress of the instants written out."""
+    steps = results.steps
+    if len(steps.time) == 0:
         return RunStatistics()
     _, per_step = np.unique(iterations[:, 0], return_counts=True)
     largest = {
-        name: float(np.nanmax(results.metrics[name]))
+        name: float(np.nanmax(steps.metrics[name]))
         for name in ("speed_max", "dphi_dt_max")
-        if name in results.metrics
+        if name in steps.metrics
     }
-    simulated = float(results.time[-1])
+    simulated = float(steps.time[-1])
     thickness = _thickness(results, scene)
     largest_of = np.array(
         [
@@ -93,7 +94,7 @@ def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics
         strain_tensile_max=max(0.0, float(largest_of[0])),
         tension_max=max(0.0, float(largest_of[1])),
         stress_max=max(0.0, float(largest_of[2])),
-        volume_error_max=float(np.abs(results.volume / scene.liquid_volume - 1.0).max()),
+        volume_error_max=float(np.abs(steps.volume / scene.liquid_volume - 1.0).max()),
         iterations_total=int(per_step.sum()),
         iterations_max=int(per_step.max(initial=0)),
         speed_max=largest.get("speed_max"),

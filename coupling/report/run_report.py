@@ -107,22 +107,22 @@ def pressure_section(run: RunFiles) -> Section:
 
 
 def _motion(run: RunFiles) -> Section:
-    results, scene = run.results, run.scene
+    steps, scene = run.results.steps, run.scene
     weight = scene.liquid.density * scene.liquid_volume * np.array(scene.gravity)
-    middle = results.liquid_cg.mean(axis=0)
+    middle = steps.liquid_cg.mean(axis=0)
     return Section(
         title="Centre of gravity and force",
         tables=[table for table in (motion_table(run), transfer_table(run)) if table],
         pictures=[
             motion_figure(
                 run,
-                1e3 * (results.liquid_cg - middle),
+                1e3 * (steps.liquid_cg - middle),
                 "CG in tank (mm)",
                 "Tank, and the liquid’s centre of gravity in it about its mean.",
             ),
             motion_figure(
                 run,
-                results.force - weight,
+                steps.force - weight,
                 "force less weight (N)",
                 "Force of the liquid on tank and diaphragm, without the liquid’s weight.",
             ),

@@ -75,8 +75,19 @@ def motion_table(run: RunFiles) -> Table:
         if periods
         else "Half the peak-to-peak range: there is no whole period to fit."
     )
-    head = ["", "CG (mm)", "phase (°)", "force (N)", "phase (°)", "moment (N m)", "phase (°)"]
-    return Table(head=head, rows=rows, note=how + " The moment is about the tank’s centre.")
+    head = ["", *_heads("CG (mm)", cg), *_heads("force (N)", force), "moment (N m)", "phase (°)"]
+    note = f"{how} The moment is about the tank’s centre."
+    if cg.get("transient") or force.get("transient"):
+        note += (
+            " Transient: from the last period but one to the last the harmonic changed by more "
+            "than 5 %, or there are no two periods."
+        )
+    return Table(head=head, rows=rows, note=note)
+
+
+def _heads(name: str, part: Mapping[str, Any]) -> list[str]:
+    """Heads of amplitude and phase."""
+    return [f"{head}, transient" if part.get("transient") else head for head in (name, "phase (°)")]
 
 
 def _periods(count: int) -> str:
@@ -98,7 +109,7 @@ def transfer_table(run: RunFiles) -> Table | None:
         rows=rows,
         note="First harmonics as complex numbers: the CG’s displacement in the tank over the "
         "tank’s own, and the force on the tank over −m a, which would be 1 for a liquid that "
-        "moves as one body with it. Peaks at the instants written out; the force without the "
+        "moves as one body with it. Peaks at the ends of steps; the force without the "
         "weight.",
     )
 

@@ -127,14 +127,15 @@ def _curves(runs: Sequence[RunFiles]) -> list[Section]:
     moving = [run for run in runs if len(run.results.time) > 1]
     if not moving:
         return []
-    axis = int(np.argmax(np.ptp(moving[0].results.tank_displacement, axis=0)))
+    series = [run.results.steps for run in moving]
+    axis = int(np.argmax(np.ptp(series[0].tank_displacement, axis=0)))
     name = "xyz"[axis]
-    middle = [run.results.liquid_cg[:, axis].mean() for run in moving]
-    cg = [1e3 * (r.results.liquid_cg[:, axis] - m) for r, m in zip(moving, middle, strict=True)]
-    force = [run.results.force[:, axis] for run in moving]
+    way = [one.liquid_cg[:, axis] - one.liquid_cg[:, axis].mean() for one in series]
+    cg = [(one.time, 1e3 * moved) for one, moved in zip(series, way, strict=True)]
+    force = [(one.time, one.force[:, axis]) for one in series]
     flowing = [run for run in moving if run.has_flow]
-    pressure = [pressure_rms(run)[0] / 1e3 for run in flowing]
-    datum = [run.results.datum_pressure / 1e3 for run in moving]
+    pressure = [(run.results.time, pressure_rms(run)[0] / 1e3) for run in flowing]
+    datum = [(one.time, one.datum_pressure / 1e3) for one in series]
     pictures = [
         overlay(moving, cg, f"CG, {name} (mm)", "Liquid’s centre of gravity in the tank."),
         overlay(moving, force, f"force, {name} (N)", "Force on tank and diaphragm."),

@@ -75,12 +75,17 @@ def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
     """The key figures under the verdict: name, value, remark."""
     figures = run.summary["bernoulli"]
     cg = run.summary["cg"]["amplitude_m"]
+    transient = "transient" if run.summary["cg"].get("transient") else ""
     dynamic, unknown = figures["dynamic_fraction"] if run.has_flow else None, "no flow to measure"
     measured = "measured" if run.has_flow else unknown
     largest = None if None in cg else max(cg)
     return [
         ("Neglected momentum", percent(figures["neglected_momentum"]), "c″ over the tank’s own"),
         ("Dynamic over hydrostatic pressure", percent(dynamic), "rms" if run.has_flow else unknown),
-        ("CG amplitude in the tank", number(None if largest is None else 1e3 * largest, "mm"), ""),
+        (
+            "CG amplitude in the tank",
+            number(None if largest is None else 1e3 * largest, "mm"),
+            transient,
+        ),
         ("Hydrostatic over unsteady term", ratio(figures["unsteady_ratio"]), measured),
     ]

@@ -28,7 +28,7 @@ from coupling.store.results import open_results
 from coupling.store.results_writer import ResultsWriter
 from coupling.store.resumption import SavedRun, save_run, saved_run
 from coupling.store.run_log import process_settings, run_log
-from coupling.store.run_record import SUMMARY, RunStatistics
+from coupling.store.run_record import SUMMARY, RunStatistics, Sample
 from coupling.store.scene_file import write_scene
 
 Progress = Callable[[str, float, float, str], None]
@@ -90,6 +90,7 @@ class _Run:
         self.iterations = (
             IterationLog(folder) if saved is None else IterationLog.resume(folder, until=saved.time)
         )
+        self.unwritten: Sample | None = None  # the last step, if that was no instant of output
         self.pace = Pace(_CHECKPOINT_SHARE)
         self.clock = perf_counter()
 
@@ -183,9 +184,13 @@ class _Run:
         energies = self.energy.metrics(stored_in(self.sides.cloth, report.sample))
         sample = self.sides.sample(time, report, energies)
         clock = perf_counter()
-        self.results.append(sample if output else sample.at_step())
+        self.unwritten = None
         if output:
+            self.results.append(sample)
             self.sides.write_fields()
+        else:
+            self.results.append(sample.at_step())
+            self.unwritten = sample
         self.tally.seconds("output", clock)
 
     def _save(self, step: int) -> None:
@@ -218,6 +223,8 @@ class _Run:
 
     def _finish(self, status: str, error: str | None) -> dict[str, Any]:
         try:
+            if self.unwritten is not None:  # the run ends here, before its time
+                self.results.append_instant(self.unwritten)
             self.results.close()
         except RunFailed as failure:  # a full disk: what was flushed before stays readable
             status, error = "failed", error or str(failure)

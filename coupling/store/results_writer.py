@@ -150,13 +150,16 @@ class ResultsWriter:
 
         A ``Sample`` is an instant too.
         """
+        if self._steps is not None:
+            self._steps.kept.append(sample.at_step() if isinstance(sample, Sample) else sample)
         if isinstance(sample, Sample):
             self._instants.kept.append(sample)
-            sample = sample.at_step()
-        if self._steps is not None:
-            self._steps.kept.append(sample)
         if self._pace.due:
             self.flush()
+
+    def append_instant(self, sample: Sample) -> None:
+        """Take what was taken last as a step for an instant as well."""
+        self._instants.kept.append(sample)
 
     def flush(self) -> None:
         """Write what waits, at the end of the files.

@@ -11,6 +11,7 @@ from scipy.spatial import Delaunay
 
 from coupling.ports import Array, Ints
 from coupling.scene.scene import Scene, scene_from
+from coupling.simulation.sampling import NodePressures, split_metrics
 from coupling.store.results_writer import ResultsWriter
 from coupling.store.run_record import RunStatistics, Sample
 
@@ -50,6 +51,7 @@ def sample(time: float, reference: Array, triangles: Ints) -> Sample:
     position[:, 2] += rim * slope * reference[:, 0]
     depth = -position[:, 2]
     dynamic = 200.0 * np.sin(OMEGA * time) * reference[:, 0] / RADIUS
+    parts = NodePressures(dynamic=dynamic, kinetic=0.0 * dynamic, viscous=0.0 * dynamic)
     return Sample(
         time=time,
         tank_acceleration=np.array([-(OMEGA**2) * displacement, 0.0, 0.0]),
@@ -68,7 +70,8 @@ def sample(time: float, reference: Array, triangles: Ints) -> Sample:
         moment=np.zeros(3),
         iterations=4,
         residual=1e-5,
-        metrics={"speed_max": 0.8, "non_orthogonality_max": 40.0},
+        metrics={"speed_max": 0.8, "non_orthogonality_max": 40.0}
+        | split_metrics(position, triangles, DENSITY * GRAVITY * depth, parts),
     )
 
 

@@ -14,7 +14,7 @@ from small_scene import SMALL
 import coupling
 from coupling.store.folder_lock import FolderError
 from coupling.store.results_head import FILE
-from coupling.store.results_layout import FIELDS, METRIC_UNITS
+from coupling.store.results_layout import FIELDS, METRIC_UNITS, STEP_FIELDS
 
 TINY = f"""{SMALL}[model]
 fluid = "hydrostatic"
@@ -80,12 +80,17 @@ def test_a_dataset_has_every_array_with_its_dimensions_and_units(tmp_path: Path)
     results = coupling.read_results(str(tmp_path))
     data = results.to_xarray()
     assert data.sizes == {
-        "time": len(results.time), "node": len(results.reference),
-        "triangle": len(results.triangles), "axis": 3, "corner": 3,
+        "time": len(results.time), "step_time": len(results.steps.time), "axis": 3, "corner": 3,
+        "node": len(results.reference), "triangle": len(results.triangles),
     }  # fmt: skip
     for name, _ in FIELDS.values():
         assert np.array_equal(data[name], getattr(results, name)), name
+    for name, _ in STEP_FIELDS.values():
+        assert np.array_equal(data[f"step_{name}"], getattr(results.steps, name)), name
     assert set(results.metrics) <= set(data.data_vars)
+    assert {f"step_{name}" for name in results.steps.metrics} <= set(data.data_vars)
+    assert data.step_liquid_cg.dims == ("step_time", "axis")
+    assert data.step_force.attrs["units"] == "N"
     assert data.liquid_cg.sel(axis="z").values == pytest.approx(results.liquid_cg[:, 2])
     assert data.force.attrs["units"] == "N"
     assert data.strain.attrs["units"] == "1"

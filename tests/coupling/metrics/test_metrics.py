@@ -140,17 +140,17 @@ def test_node_areas_add_up_to_the_surface() -> None:
 
 def test_the_dynamic_fraction_of_a_linear_pressure_is_the_ratio_of_its_slopes() -> None:
     points, triangles = run.disc()
-    position = np.stack([points, 0.9 * points])
-    force = np.array([[3.0, 1.0, -9.81]] * 2)
-    dynamic = 0.3 * 1000.0 * np.einsum("tni,ti->tn", position, force) + 55.0
-    fraction = bernoulli.dynamic_fraction(
-        position=position,
-        triangles=triangles,
-        dynamic_pressure=dynamic,
-        body_force=force,
-        density=1000.0,
-    )
-    assert fraction == pytest.approx(0.3, rel=1e-12)
+    found = []
+    for position in (points, 0.9 * points):
+        hydrostatic = 1000.0 * position @ [3.0, 1.0, -9.81]
+        none = np.zeros(len(points))
+        parts = NodePressures(dynamic=0.3 * hydrostatic + 55.0, kinetic=none, viscous=none)
+        found.append(split_metrics(position, triangles, hydrostatic, parts))
+    metrics = {name: np.array([one[name] for one in found]) for name in found[0]}
+    assert bernoulli.dynamic_fraction(metrics) == pytest.approx(0.3, rel=1e-12)
+    assert bernoulli.dynamic_fraction({}) is None
+    still = metrics | {"dynamic_pressure_rms": np.zeros(2)}
+    assert bernoulli.dynamic_fraction(still) == 0.0
 
 
 def test_bernoulli_ratios_reproduce_the_thesis_figure_and_know_what_they_do_not_know() -> None:
@@ -206,7 +206,7 @@ def test_parts_of_the_pressure_are_rms_over_time_too() -> None:
     assert bernoulli.pressure_split(metrics, has_flow=False)["unsteady_rms_Pa"] is None
 
 
-def test_split_of_a_known_pressure_weighs_as_the_dynamic_fraction() -> None:
+def test_split_of_a_known_pressure_is_that_of_its_parts() -> None:
     points, triangles = run.disc()
     hydrostatic = 1000.0 * 9.81 * points[:, 2]
     pressures = NodePressures(
@@ -216,11 +216,7 @@ def test_split_of_a_known_pressure_weighs_as_the_dynamic_fraction() -> None:
     )
     found = split_metrics(points, triangles, hydrostatic, pressures)
     whole = found["hydrostatic_pressure_rms"]
-    fraction = bernoulli.dynamic_fraction(
-        position=points[None], triangles=triangles, dynamic_pressure=pressures.dynamic[None],
-        body_force=np.array([[0.0, 0.0, 9.81]]), density=1000.0,
-    )  # fmt: skip
-    assert found["dynamic_pressure_rms"] / whole == pytest.approx(fraction, rel=1e-12)
+    assert found["dynamic_pressure_rms"] / whole == pytest.approx(0.3, rel=1e-12)
     assert found["unsteady_pressure_rms"] / whole == pytest.approx(0.4, rel=1e-12)
     assert found["kinetic_pressure_rms"] / whole == pytest.approx(0.1, rel=1e-12)
     assert found["viscous_traction_rms"] == pytest.approx(0.02)

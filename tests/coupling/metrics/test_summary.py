@@ -22,7 +22,8 @@ from coupling.store.run_record import RunStatistics
 def cut(results: Results, count: int) -> Results:
     names = {name for name, _ in FIELDS.values()}
     assert names <= {item.name for item in fields(results)}
-    return replace(results, **{name: getattr(results, name)[:count] for name in names})
+    shorter: dict[str, Any] = {name: getattr(results, name)[:count] for name in names}
+    return replace(results, every_step=None, **shorter)
 
 
 def strict(content: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -18,7 +18,7 @@ import pytest
 
 from coupling.ports import RunFailed
 from coupling.store.results import read_results
-from coupling.store.results_layout import FIELDS
+from coupling.store.results_layout import FIELDS, STEP_FIELDS, STEPS, is_field
 from coupling.store.results_writer import ResultsWriter
 
 REFERENCE, TRIANGLES = run.disc()
@@ -43,6 +43,8 @@ def test_everything_written_is_read_back_bit_for_bit(tmp_path: Path) -> None:
     for name, _ in FIELDS.values():
         expected = np.stack([np.asarray(getattr(item, name)) for item in samples])
         assert np.array_equal(getattr(results, name), expected), name
+        if not is_field(name):
+            assert np.array_equal(getattr(results.steps, name), expected), name
     assert np.array_equal(results.metrics["speed_max"], np.full(7, 0.8))
     assert results.metric_units["speed_max"] == "m/s"
 
@@ -112,6 +114,64 @@ def test_resume_drops_what_is_later_and_ends_like_an_unbroken_run(tmp_path: Path
     assert check_xdmf(tmp_path / "broken") == len(times)
 
 
+def test_steps_stand_beside_the_instants_however_they_are_flushed(tmp_path: Path) -> None:
+    """Of both copies of the file each lacks now instants, now steps, now nothing."""
+    out = writer(tmp_path)
+    samples = [run.sample(0.1 * k, REFERENCE, TRIANGLES) for k in range(40)]
+    instants = {0, 3, 4, 11, 12, 13, 30}
+    for k, item in enumerate(samples):
+        out.append(item if k in instants else item.at_step())
+        if k % 2 or 10 < k < 20:
+            out.flush()
+        if k == 17:
+            out._leave_room()  # as after an error
+    out.close()
+    results = read_results(tmp_path)
+    assert np.array_equal(results.time, [samples[k].time for k in sorted(instants)])
+    assert out.rows == len(instants)
+    for name, _ in STEP_FIELDS.values():
+        expected = np.stack([np.asarray(getattr(item, name)) for item in samples])
+        assert np.array_equal(getattr(results.steps, name), expected), name
+    rms = [item.metrics["hydrostatic_pressure_rms"] for item in samples]
+    assert np.array_equal(results.steps.metrics["hydrostatic_pressure_rms"], rms)
+    assert check_xdmf(tmp_path) == len(instants)
+
+
+def test_resume_drops_steps_and_instants_each_after_its_own_end(tmp_path: Path) -> None:
+    out = writer(tmp_path)
+    for k in range(10):
+        item = run.sample(0.1 * k, REFERENCE, TRIANGLES)
+        out.append(item.at_step() if k % 4 else item)
+    out.close()
+    again = ResultsWriter.resume(tmp_path, until=0.4, steps_until=0.6)
+    kept = read_results(tmp_path)
+    assert (len(kept.time), len(kept.steps.time)) == (2, 7)
+    assert len(kept.steps.metrics["speed_max"]) == 7
+    for k in range(7, 10):
+        item = run.sample(0.1 * k, REFERENCE, TRIANGLES)
+        again.append(item.at_step() if k % 4 else item)
+    again.close()
+    whole = read_results(tmp_path)
+    assert np.array_equal(whole.steps.time, 0.1 * np.arange(10))
+    assert np.array_equal(whole.time, 0.1 * np.array([0, 4, 8]))
+
+
+def test_results_of_a_version_without_steps_are_read_and_gone_on_with(tmp_path: Path) -> None:
+    run.write_run(tmp_path, periods=0.5)
+    with h5py.File(tmp_path / "results.h5", "r+") as file:
+        del file[STEPS]
+    older = read_results(tmp_path)
+    assert older.every_step is None
+    assert np.array_equal(older.steps.time, older.time)
+    assert np.array_equal(older.steps.force, older.force)
+    assert older.steps.metrics is older.metrics
+    again = ResultsWriter.resume(tmp_path, until=float(older.time[4]))
+    again.append(run.sample(1.0, REFERENCE, TRIANGLES))
+    again.append(run.sample(1.1, REFERENCE, TRIANGLES).at_step())
+    again.close()
+    assert list(read_results(tmp_path).steps.time) == [*older.time[:5], 1.0]
+
+
 def test_a_metric_that_begins_late_is_nan_before(tmp_path: Path) -> None:
     out = writer(tmp_path)
     first = run.sample(0.0, REFERENCE, TRIANGLES)
@@ -142,7 +202,8 @@ writer = ResultsWriter.create(
     sys.argv[1], scene_toml="", model="m", reference=reference, triangles=triangles
 )
 for k in itertools.count():
-    writer.append(run.sample(0.01 * k, reference, triangles))
+    sample = run.sample(0.01 * k, reference, triangles)
+    writer.append(sample.at_step() if k % 3 else sample)  # two flushes in three without instants
     writer.flush()
     if k == 0:
         print("first", flush=True)
@@ -166,6 +227,10 @@ def test_a_kill_at_any_moment_leaves_whole_files(tmp_path: Path, seed: int) -> N
     results = read_results(tmp_path)
     steps = check_xdmf(tmp_path)
     assert 1 <= steps <= len(results.time) <= steps + 1
+    ends = results.steps.time
+    assert np.array_equal(ends, 0.01 * np.arange(len(ends)))
+    assert np.array_equal(results.time, ends[::3])
+    assert len(results.steps.metrics["speed_max"]) == len(ends)
     again = ResultsWriter.resume(tmp_path, until=float(results.time[-1]))
     again.append(run.sample(1e3, *run.disc(20)))
     again.close()
@@ -273,7 +338,10 @@ def test_a_writing_that_got_half_way_is_made_up_for(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    out._kept.append(run.sample(0.3, REFERENCE, TRIANGLES))  # append may write at once
+    fourth = run.sample(0.3, REFERENCE, TRIANGLES)
+    with monkeypatch.context() as patch:
+        patch.setattr(out, "flush", lambda: None)  # append may write at once
+        out.append(fourth)
     with monkeypatch.context() as patch:
         patch.setattr("coupling.store.xdmf.extend", full)
         with pytest.raises(RunFailed, match="disk is full"):
