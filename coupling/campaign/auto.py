@@ -82,9 +82,7 @@ def _checked(scene: Scene, folder: Path, progress: Progress | None) -> dict[str,
         return {"against": None, "says": "there is no better model to check it on"}
     better = rungs[rungs.index(fluid) + 1]
     window = min(scene.time.duration, _first_period(scene))
-    part = scene.time.model_copy(
-        update={"duration": max(window, scene.time.step), "output_every": 1}
-    )
+    part = scene.time.model_copy(update={"duration": max(window, scene.time.step)})
     checking = _on(scene, better).model_copy(update={"time": part})
     found: dict[str, Any] = {"against": better, "simulated_s": window, "error": None}
     summary = run_or_reuse(checking, folder / CHECK_FOLDER, progress)

@@ -183,7 +183,11 @@ class Time(Section):
         "are whole unless they fail",
     )
     output_every: int = Field(
-        default=4, ge=1, le=MOST, description="number of steps between outputs"
+        default=4,
+        ge=1,
+        le=MOST,
+        description="number of steps between instants at which what is over the diaphragm's nodes "
+        "and triangles is written out; no figure of the summary depends on it",
     )
     checkpoint_every: int | None = Field(
         default=None,

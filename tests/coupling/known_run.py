@@ -83,23 +83,26 @@ def write_run(
     scene: str = "",
     model: str = "openfoam",
     tilt: float = 1.0,
+    every: int = 1,
     rings: int = 8,
     metrics: Mapping[str, Callable[[float], float]] | None = None,
 ) -> None:
     """The known run as a results folder; ``tilt`` scales how far the diaphragm moves.
 
-    ``metrics``: further ones, by name, as functions of the time.
+    ``every``: number of steps between the instants that are written out. ``metrics``:
+    further ones, by name, as functions of the time.
     """
     reference, triangles = disc(rings)
     writer = ResultsWriter.create(
         folder, scene_toml=scene, model=model, reference=reference, triangles=triangles
     )
-    for time in np.arange(0.0, periods / FREQUENCY + step / 2, step):
+    for number, time in enumerate(np.arange(0.0, periods / FREQUENCY + step / 2, step)):
         known = sample(float(time), reference, triangles)
         flat = reference * [1.0, 1.0, 0.2]
         position = flat + tilt * (known.position - flat)
         more = {name: value(float(time)) for name, value in (metrics or {}).items()}
-        writer.append(replace(known, position=position, metrics={**known.metrics, **more}))
+        one = replace(known, position=position, metrics={**known.metrics, **more})
+        writer.append(one.at_step() if number % every else one)
     writer.close()
 
 

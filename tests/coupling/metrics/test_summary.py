@@ -13,10 +13,22 @@ import pytest
 
 from coupling.estimate.strength import stress_estimate
 from coupling.metrics.summary import summarise
+from coupling.scene.scene import scene_from
 from coupling.store.atomic import write_json
 from coupling.store.results import Results, read_results
 from coupling.store.results_layout import FIELDS
 from coupling.store.run_record import RunStatistics
+
+LOSS = {
+    "tank_work": lambda t: 5.0 * t,
+    "datum_work": lambda t: 0.0,
+    "mechanical_energy": lambda t: 4.0,
+    "dissipated": lambda t: 3.0 * t,
+    "dissipated_by_liquid": lambda t: 3.0 * t,
+    "dissipated_by_bending": lambda t: 0.0,
+    "dissipated_by_drag": lambda t: 0.0,
+    "layer_estimate": lambda t: 0.0,
+}
 
 
 def cut(results: Results, count: int) -> Results:
@@ -50,6 +62,8 @@ def test_the_known_run_gives_its_own_figures(tmp_path: Path) -> None:
     assert summary["cg"]["phase_deg"][1] is None
     assert summary["cg"]["drift"] == pytest.approx(0.0, abs=1e-9)
     assert summary["force"]["drift"] == pytest.approx(0.0, abs=1e-9)
+    assert summary["cg"]["transient"] is False
+    assert summary["force"]["transient"] is False
     assert summary["cg"]["mean_m"] == pytest.approx([0.0, 0.0, -0.1], abs=1e-12)
     assert summary["force"]["amplitude_N"][0] == pytest.approx(run.FORCE_AMPLITUDE)
     assert summary["force"]["phase_deg"][0] == pytest.approx(0.0, abs=1e-9)
@@ -61,6 +75,55 @@ def test_the_known_run_gives_its_own_figures(tmp_path: Path) -> None:
     assert figures["unsteady_ratio"] == pytest.approx(body_force * run.RADIUS / 2.5, rel=4e-3)
     assert 0.01 < figures["dynamic_fraction"] < 1.0
     assert summary["coupling"]["iterations_mean"] == 4.0
+
+
+def test_figures_are_of_the_steps_between_the_instants_too(tmp_path: Path) -> None:
+    """Every third step is written out; a blow, a fast one and a jump in energy lie between."""
+    run.write_run(tmp_path, every=3, metrics=LOSS)
+    results = read_results(tmp_path)
+    assert len(results.steps.time) > 2 * len(results.time)
+    row = 100
+    assert results.steps.time[row] not in results.time
+    steps = results.steps
+    force, peaks = steps.force.copy(), dict(steps.metrics)
+    force[row, 0] = 4e3
+    peaks["mechanical_energy"] = peaks["mechanical_energy"].copy()
+    peaks["mechanical_energy"][row] = 77.0
+    blow = replace(results, every_step=replace(steps, force=force, metrics=peaks))
+    found = summarise(blow, run.statistics(), run.scene(), "completed", None)
+    assert found["force"]["peak_N"][0] == 4e3
+    assert found["energy"]["peak_J"] == 77.0
+    every = tmp_path / "every"
+    run.write_run(every, metrics=LOSS)
+    one = summarise(results, run.statistics(), run.scene(), "completed", None)
+    assert one == summarise(read_results(every), run.statistics(), run.scene(), "completed", None)
+
+
+def test_a_phasor_is_called_transient_where_it_changes_or_two_periods_are_missing(
+    tmp_path: Path,
+) -> None:
+    run.write_run(tmp_path)
+    results = read_results(tmp_path)
+    steps = results.steps
+
+    def parts(**changes: Any) -> list[Any]:
+        changed = replace(results, every_step=replace(steps, **changes))
+        found = summarise(changed, run.statistics(), run.scene(), "completed", None)
+        return [found[name][what] for name in ("cg", "force") for what in ("drift", "transient")]
+
+    growing = steps.liquid_cg * np.exp(0.04 * run.FREQUENCY * steps.time)[:, None]
+    assert parts(liquid_cg=growing)[1] is False
+    growing = steps.liquid_cg * np.exp(0.06 * run.FREQUENCY * steps.time)[:, None]
+    assert parts(liquid_cg=growing)[1] is True
+    assert parts(force=0.0 * steps.force)[2:] == [None, None]  # nothing moves
+    short = cut(results, int(1.5 / run.FREQUENCY / 0.02))
+    found = summarise(short, run.statistics(), run.scene(), "completed", None)
+    assert found["fitted_periods"] == 1
+    assert (found["cg"]["drift"], found["cg"]["transient"]) == (None, True)
+    rest = run.scene().model_dump(exclude_unset=True) | {"motion": {"kind": "rest"}}
+    still = scene_from(rest)
+    found = summarise(results, run.statistics(), still, "completed", None)
+    assert (found["cg"]["drift"], found["cg"]["transient"]) == (None, None)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 10])

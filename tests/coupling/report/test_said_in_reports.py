@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from coupling.report.energy_section import energy_section
 from coupling.report.files import RunFiles, read_run
 from coupling.report.run_report import run_page
 from coupling.report.run_tables import motion_table, rubber_table
+from coupling.report.style import thinned
+from coupling.report.verdict import bernoulli_keys
 from coupling.scene.scene import Scene, load_scene
 from coupling.simulation.driver import run as run_scene
 from coupling.store.atomic import write_json
@@ -95,6 +98,35 @@ def test_one_period_is_not_one_periods(tmp_path: Path) -> None:
     for periods, said in ((1, "the last whole period;"), (3, "the last 3 whole periods;")):
         files.summary["fitted_periods"] = periods
         assert said in motion_table(files).note
+
+
+def test_a_phasor_that_has_not_settled_is_called_transient(tmp_path: Path) -> None:
+    steady = {"drift": 0.01, "transient": False}
+    moving = {"drift": 0.2, "transient": True}
+    for cg, force, marked in ((steady, moving, 1), (moving, moving, 2), (steady, steady, 0)):
+        files = changed(tmp_path, cg=cg, force=force)
+        table = motion_table(files)
+        assert sum("transient" in head for head in table.head) == 2 * marked  # amplitude, phase
+        assert ("Transient:" in table.note) == (marked > 0)
+        remarks = {name: remark for name, _, remark in bernoulli_keys(files)}
+        assert remarks["CG amplitude in the tank"] == ("transient" if cg is moving else "")
+
+
+def test_curves_are_of_every_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A blow between two instants that were written out is drawn."""
+    whole_run(tmp_path)
+    files = read_run(tmp_path)
+    steps = files.results.steps
+    force = steps.force.copy()
+    force[7, 0] = 1e4
+    blow = replace(files.results, every_step=replace(steps, force=force))
+    drawn: list[Any] = []
+    monkeypatch.setattr(
+        "coupling.report.figures.thinned", lambda x, y: drawn.append((x, y)) or thinned(x, y)
+    )
+    run_page(replace(files, results=blow))
+    curves = [y for x, y in drawn if len(x) == len(y) == len(steps.time)]
+    assert any(np.max(y) == 1e4 for y in curves)
 
 
 def with_strength(scene: Scene, strength: float | None) -> Scene:
