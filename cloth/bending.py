@@ -15,6 +15,7 @@ curved shape: the mirrored hemisphere would cost 16 pi kappa, whatever nu.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -52,11 +53,14 @@ class Bending:
         normals
             Unit normals of the sheet there (n, 3), 0 of nodes without one.
         """
-        size = len(position)
-        rows = sp.csr_matrix((self.values, self.columns, self.starts), shape=(size, size))
-        moulded = np.einsum("id,id->i", np.asarray(rows @ position), normals)
+        moulded = np.einsum("id,id->i", np.asarray(self._rows @ position), normals)
         quadratic = 0.5 * float(np.vdot(position, self.matrix @ position))
         return quadratic - float(self.moment @ moulded) - float(np.vdot(position, self.held))
+
+    @cached_property
+    def _rows(self) -> sp.csr_matrix:
+        """R (n, n) [1/m^3]."""
+        return sp.csr_matrix((self.values, self.columns, self.starts), shape=self.matrix.shape)
 
 
 def carried_areas(mesh: Mesh, rim: Bools) -> Array:

@@ -118,15 +118,13 @@ def node_areas(position: Array, triangles: Ints) -> Array:
     Array
         Areas (T, n) [m^2]; their sum over the nodes is the area of all triangles, to rounding.
     """
-    corner = position[:, triangles]
-    normal = cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0])
-    third = np.linalg.norm(normal, axis=2) / 6.0
-    areas = np.zeros(position.shape[:2])
-    for row in range(len(position)):
-        for side in range(3):
-            areas[row] += np.bincount(
-                triangles[:, side], weights=third[row], minlength=position.shape[1]
-            )
+    corners, nodes = triangles.ravel(), position.shape[1]
+    areas = np.empty(position.shape[:2])
+    for row, points in enumerate(position):
+        a, b, c = (points[triangles[:, side]] for side in range(3))
+        normal = cross(b - a, c - a)
+        third = np.sqrt(np.einsum("mx,mx->m", normal, normal)) / 6.0
+        areas[row] = np.bincount(corners, np.repeat(third, 3), nodes)
     return areas
 
 
