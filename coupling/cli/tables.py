@@ -52,6 +52,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     """The main figures of a run's ``summary.json`` and where the results are."""
     coupling, cg = summary.get("coupling") or {}, summary.get("cg") or {}
     bernoulli, mark = summary.get("bernoulli") or {}, ", transient" if cg.get("transient") else ""
+    impacts = summary.get("impacts") or {}
     period = (summary.get("energy") or {}).get("per_period") or {}
     rows = [
         ("status", summary.get("status")),
@@ -70,6 +71,8 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("... as measured", _ratio(bernoulli.get("kinetic_ratio"))),
         ("hydrostatic over unsteady, measured", _ratio(bernoulli.get("unsteady_ratio"))),
         ("dynamic over hydrostatic, rms", bernoulli.get("dynamic_fraction")),
+        ("... median over time", (summary.get("pressure") or {}).get("dynamic_median")),
+        ("largest impulse in an eighth of a period [N s]", impacts.get("impulse_max_Ns")),
         ("momentum that hydrostatics neglects", bernoulli.get("neglected_momentum")),
         ("work done a period [J]", period.get("work_J")),
         ("dissipated a period [J]", period.get("dissipated_J")),

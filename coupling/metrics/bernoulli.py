@@ -82,7 +82,8 @@ def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str,
 
     ``metrics`` (S,) [Pa] by name: rms over the interface at every step, as ``dynamic_fraction``
     takes them. The rms returned is that over interface and time; a fraction is that of a part over
-    that of the hydrostatic pressure.
+    that of the hydrostatic pressure; a median is that over time of the ratio at each instant, which
+    blows do not move.
 
     ``unsteady``: p* less its kinetic part -rho |u|^2/2, which of an inviscid liquid is
     -rho dphi/dt exactly, and otherwise includes the effect of vorticity. ``viscous``: the magnitude
@@ -96,7 +97,20 @@ def pressure_split(metrics: Mapping[str, Array], *, has_flow: bool) -> dict[str,
         {"hydrostatic_rms_Pa": whole}
         | {f"{name}_rms_Pa": value for name, value in rms.items()}
         | {f"{name}_fraction": _over(rms[name], whole) for name in PARTS}
+        | {
+            f"{name}_median": _median(metrics, key) if has_flow else None
+            for name, key in names.items()
+        }
     )
+
+
+def _median(metrics: Mapping[str, Array], key: str) -> float | None:
+    """Median over time of the rms of a part over that of the hydrostatic pressure."""
+    part, whole = metrics.get(key), metrics.get("hydrostatic_pressure_rms")
+    if part is None or whole is None:
+        return None
+    known = np.isfinite(part) & np.isfinite(whole) & (whole > 0.0)
+    return float(np.median(part[known] / whole[known])) if known.any() else None
 
 
 def _over_time(rms: Array | None) -> float | None:

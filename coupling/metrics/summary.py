@@ -11,6 +11,7 @@ from coupling.metrics import bernoulli
 from coupling.metrics.energy import energy_summary
 from coupling.metrics.gravity_centre import neglected_momentum, neglected_momentum_transient
 from coupling.metrics.harmonic import Harmonic
+from coupling.metrics.impacts import impacts
 from coupling.metrics.mesh_fit import mesh_fit
 from coupling.metrics.response import cg_summary, force_summary, harmonics, moment_summary
 from coupling.metrics.rubs import rub
@@ -40,8 +41,8 @@ def summarise(
     largest sizes of each component at the ends of steps, ``peak_dynamic_N`` less the weight.
     ``cloth`` counts inner iterations of the solves that parts of steps end with;
     ``strain_tensile_p99`` is what strain stays below in 99 % of area and time.
-    ``rubbing`` is what had gathered at the end, null where nothing slid. What cannot be said at all
-    is null.
+    ``impacts``: impulses of the force, null for a motion without a frequency. ``rubbing`` is what
+    had gathered at the end, null where nothing slid. What cannot be said at all is null.
     """
     series, strength = results.steps, scene.diaphragm.strength
     fits = harmonics(series, scene)
@@ -79,6 +80,7 @@ def summarise(
         "pressure": bernoulli.pressure_split(
             series.metrics, has_flow=statistics.speed_max is not None
         ),
+        "impacts": _impacts(series, scene),
         "boundary_layer": layer_resolution(series.metrics, scene.liquid.viscosity, scene.frequency),
         "flow_mesh": mesh_fit(series.metrics),
         "energy": energy_summary(series, scene.frequency, periods),
@@ -110,6 +112,18 @@ def _rubbing(results: Results) -> dict[str, Any]:
         "shell_slip_place_deg": shell and shell.place,
         "self_slip_max_m": itself and itself.largest,
     }
+
+
+def _impacts(steps: StepSeries, scene: Scene) -> dict[str, Any] | None:
+    if scene.frequency is None:
+        return None
+    return impacts(
+        steps.time,
+        steps.force,
+        body_force=np.array(scene.gravity) - steps.tank_acceleration,
+        mass=scene.liquid.density * scene.liquid_volume,
+        frequency=scene.frequency,
+    )
 
 
 def _bernoulli(

@@ -70,17 +70,32 @@ def split_table(run: RunFiles) -> Table | None:
     if not pressure or not layer or pressure["dynamic_rms_Pa"] is None:
         return None
     whole = pressure["hydrostatic_rms_Pa"]
-    rows = [["Hydrostatic pressure", number(whole, "Pa"), ""]]
+    rows = [["Hydrostatic pressure", number(whole, "Pa"), "", ""]]
     for part, text in _PARTS.items():
         value = pressure[f"{part}_rms_Pa"]
         if part == "viscous" and not FLUIDS[run.model].has_viscosity:
-            rows.append([text, "none in this model", ""])
+            rows.append([text, "none in this model", "", ""])
         elif value is not None:
-            rows.append([text, number(value, "Pa"), percent(value / whole) if whole else "–"])
+            share = percent(value / whole) if whole else "–"
+            rows.append([text, number(value, "Pa"), share, percent(pressure.get(f"{part}_median"))])
     return Table(
-        head=["rms over diaphragm and time", "", "of hydrostatic"],
+        head=["rms over the diaphragm", "and over time", "of hydrostatic", "its median over time"],
         rows=rows,
-        note="Means over the diaphragm removed. " + _how(run, layer),
+        note="Means over the diaphragm removed. Impacts weigh in the rms over time, not in the "
+        "median. " + _how(run, layer),
+    )
+
+
+def impulse_sentence(run: RunFiles) -> str:
+    """How hard the diaphragm strikes; empty for a run that does not tell."""
+    found = run.summary.get("impacts")
+    if not found or not found["number"]:
+        return ""
+    many = "once" if found["number"] == 1 else f"{found['number']} times"
+    return (
+        f"The largest impulse beyond a rigid liquid’s within an eighth of a period is "
+        f"{number(found['impulse_max_Ns'], 'N s')}, at {number(found['time_of_max_s'], 's')}; half "
+        f"of it or more is met {many}. It converges with the step, which the force’s peak does not."
     )
 
 

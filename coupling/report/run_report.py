@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from coupling.report.bernoulli_tables import bernoulli_table, split_table
+from coupling.report.bernoulli_tables import bernoulli_table, impulse_sentence, split_table
 from coupling.report.energy_section import energy_section
 from coupling.report.figures import (
     coupling_figure,
@@ -112,6 +112,7 @@ def _motion(run: RunFiles) -> Section:
     middle = steps.liquid_cg.mean(axis=0)
     return Section(
         title="Centre of gravity and force",
+        text=impulse_sentence(run),
         tables=[table for table in (motion_table(run), transfer_table(run)) if table],
         pictures=[
             motion_figure(

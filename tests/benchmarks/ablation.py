@@ -26,7 +26,7 @@ from unittest.mock import patch
 
 from coupling.interface.contact_curve import ContactSettings
 from coupling.interface.free_patch import PatchSettings
-from coupling.interface.mapping import Support
+from coupling.interface.weights import Support
 from coupling.scene.scene import load_scene
 from coupling.schemes.iqn_ils import IqnIlsSettings
 from coupling.simulation.driver import run

@@ -152,7 +152,7 @@ def test_energy_and_parts_of_the_pressure_are_told_where_the_results_hold_them(
     assert table["… by impacts, snapping taut and the time step"] == ["4\u202fJ", "20\u202f%"]
     split = split_table(read)
     assert split is not None
-    assert split.rows[3][1:] == ["30\u202fPa", "10\u202f%"]
+    assert split.rows[3][1:] == ["30\u202fPa", "10\u202f%", "10\u202f%"]
     parsed(write_report(tmp_path))
 
 
