@@ -79,15 +79,15 @@ def motion_table(run: RunFiles) -> Table:
     note = f"{how} The moment is about the tank’s centre."
     if cg.get("transient") or force.get("transient"):
         note += (
-            " Transient: from the last period but one to the last the harmonic changed by more "
+            " ‡ transient: from the last period but one to the last the harmonic changed by more "
             "than 5 %, or there are no two periods."
         )
     return Table(head=head, rows=rows, note=note)
 
 
 def _heads(name: str, part: Mapping[str, Any]) -> list[str]:
-    """Heads of amplitude and phase."""
-    return [f"{head}, transient" if part.get("transient") else head for head in (name, "phase (°)")]
+    """Heads of amplitude and phase; a ‡ marks those of a transient, as the table's note says."""
+    return [f"{head} ‡" if part.get("transient") else head for head in (name, "phase (°)")]
 
 
 def _periods(count: int) -> str:

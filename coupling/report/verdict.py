@@ -30,8 +30,14 @@ def verdict(run: RunFiles) -> tuple[str, str]:
         f"The liquid's centre of gravity accelerates within the tank at {percent(momentum)} of the "
         "tank's own acceleration, and hydrostatics holds no force for that. "
         f"The pressure left out is {percent(dynamic)} (rms) of the hydrostatic pressure's "
-        "variation over the diaphragm." + _shortness(run)
+        f"variation over the diaphragm{_median(run)}." + _shortness(run)
     )
+
+
+def _median(run: RunFiles) -> str:
+    """The same in the median over time, which impacts do not move; empty where it is not known."""
+    median = (run.summary.get("pressure") or {}).get("dynamic_median")
+    return "" if median is None else f", {percent(median)} in the median over time"
 
 
 def _headline(momentum: float, dynamic: float) -> str:
