@@ -13,6 +13,7 @@ _Known = Mapping[str, Mapping[str, float]]  # errors by row and figure
 
 LEVELS = (0.01, 0.05, 0.2)  # of relative errors: good, enough, poor
 ENOUGH = LEVELS[1]
+UNKNOWN = 1.0  # relative error bar of a reference's own figure beyond which it says nothing
 _WORDS = {
     "shape_rms": "shape",
     "cg_amplitude": "CG amplitude",
@@ -49,19 +50,29 @@ def advice(reference: str | None, rows: Mapping[str, Row], bars: Errors | None =
 
     Within counts the error bar. Where none is, the fastest that the bars do not separate from the
     reference: each of its errors is below 5 % or below the bar. The phase is left out: it is an
-    angle, and follows the amplitudes. The thesis' algorithm and what only changes the diaphragm are
-    not advised.
+    angle, and follows the amplitudes; so is a figure with a bar above 100 %. The thesis' algorithm
+    and what only changes the diaphragm are not advised.
     """
     bars = bars or {}
     if reference is None:
         return "No model completed: nothing can be advised."
+    unknown = [figure for figure in _WORDS if (bars.get(figure) or 0.0) > UNKNOWN]
+    unknown = unknown if len(unknown) < len(_WORDS) else []
+    told = _advice(reference, rows, bars, unknown)
+    if not unknown:
+        return told
+    named = " and ".join(_WORDS[figure] for figure in unknown)
+    return f"{told} It leaves out {named}, which {reference} itself does not resolve."
+
+
+def _advice(reference: str, rows: Mapping[str, Row], bars: Errors, unknown: Sequence[str]) -> str:
     if not rows.get(reference, {}).get("error"):
         return f"The reference, {reference}, has not completed yet."
     others = {
         name: found
         for name, row in rows.items()
         if name not in (reference, "thesis") and row.get("model", name) == name
-        if (found := _relative(row))
+        if (found := {k: v for k, v in _relative(row).items() if k not in unknown})
     }
     if not others:
         return f"Only {reference} completed: there is nothing to compare it with."

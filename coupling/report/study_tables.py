@@ -32,6 +32,8 @@ def errors_table(study: Mapping[str, Any]) -> Table:
             cells = [_cell(key, same.get(key), None, False) for key in COLUMNS]
             rows.append([f"… against {row['model']}", "", "", *cells])
     for key, errors in study["discretisation"].items():
+        if key in SOURCES:  # told with the sources
+            continue
         cells = [_cell(name, errors.get(name), None, False) for name in COLUMNS]
         rows.append([f"{reference}, {_own(key, reference)}", "", "", *cells])
     return Table(
@@ -50,10 +52,14 @@ def _note(study: Mapping[str, Any]) -> str:
         note += (
             "± is the reference’s own error as these rows let it be estimated (Richardson: the "
             "step’s error taken as of second order, the flow mesh’s of order 1.5, the diaphragm’s "
-            "of second; what an inextensible sheet still stretches as its compliance); where "
-            "openfoam is the reference, the rows have the same diaphragm, and ± knows nothing of "
-            "its mesh. "
+            "of second; what an inextensible sheet still stretches as its compliance)"
         )
+        if "coarser_diaphragm" not in study["discretisation"]:
+            note += (
+                "; where openfoam is the reference, the rows have the same diaphragm, and ± knows "
+                "nothing of its mesh"
+            )
+        note += ". "
     note += "≈ marks an error below that, where no difference between the models is resolved."
     if any(row.get("against_same_model") for row in study["models"].values()):
         note += (

@@ -103,6 +103,15 @@ def test_the_fastest_model_that_is_good_enough_is_advised() -> None:
     assert advice("openfoam", rows).startswith("Use openfoam. The best of the others, hyd")
 
 
+def test_advice_leaves_out_what_the_reference_does_not_resolve() -> None:
+    rows = {"hydrostatic": row(2, 0.03, 50.0), "openfoam": row(100, 0.0)}
+    rows["hydrostatic"]["error"]["pressure_rms"] = 0.8
+    said = advice("openfoam", rows, {"pressure_rms": 4.0, "cg_amplitude": 0.01})
+    assert said.startswith("Use hydrostatic: it stays within 4.0\u202f% of openfoam")
+    assert said.endswith("It leaves out pressure, which openfoam itself does not resolve.")
+    assert advice("openfoam", rows, {"pressure_rms": 0.5}).startswith("Use openfoam.")
+
+
 def test_advice_counts_the_error_bar() -> None:
     rows = {"hydrostatic": row(2, 0.03, 50.0), "openfoam": row(100, 0.0)}
     said = advice("openfoam", rows, {"cg_amplitude": 0.01, "shape_rms": 0.03})
