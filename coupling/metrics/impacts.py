@@ -13,6 +13,8 @@ from coupling.ports import Array
 _WINDOW = 0.125  # of a period: a blow is shorter, and what the sway itself does in it is little
 _COUNTED = 0.5  # share of the largest impulse from which on a blow counts
 
+_ROUNDING = 1e-9  # of the weight's impulse in an eighth: below it there is no blow
+
 
 def impacts(
     time: Array, force: Array, *, body_force: Array, mass: float, frequency: float
@@ -57,8 +59,9 @@ def impacts(
     largest = int(size.argmax())
     padded = np.concatenate([[0.0], size, [0.0]])  # a largest one at an end is one as well
     peaks, _ = find_peaks(padded, height=_COUNTED * size[largest], distance=32)
+    least = _ROUNDING * mass * float(np.linalg.norm(body_force, axis=1).max()) * window
     return {
         "impulse_max_Ns": float(size[largest]),
         "time_of_max_s": float(middle[largest]),
-        "number": len(peaks) if size[largest] > 0.0 else 0,
+        "number": len(peaks) if size[largest] > least else 0,
     }
