@@ -153,6 +153,8 @@ class StudyRecord:
             "speedup": _speedup(reference and reference[1], summary),
             "below_reference_error": [] if entry.row == best else below(errors, bars),
             "bernoulli": summary.get("bernoulli"),
+            "drift": (summary.get("cg") or {}).get("drift"),
+            "transient": (summary.get("cg") or {}).get("transient"),
         }
         if entry.row in STRETCH.values():
             row["against_same_model"] = self._error(entry, summary, entry.scene.model.fluid)

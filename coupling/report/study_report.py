@@ -57,7 +57,28 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
 
 def _explained(study: Mapping[str, Any]) -> str:
     advised = study["advice"] if study.get("verdict") else ""
-    return " ".join(text for text in (advised, _largest_source(study), _measured(study)) if text)
+    return " ".join(
+        text
+        for text in (advised, _largest_source(study), _measured(study), _periodic(study))
+        if text
+    )
+
+
+def _periodic(study: Mapping[str, Any]) -> str:
+    """How far the reference is from a periodic motion, where it is not one; else empty."""
+    row = study["models"].get(study["reference"]) or {}
+    if not row.get("transient"):
+        return ""
+    drift = row.get("drift")
+    if drift is None:
+        return (
+            "The run is shorter than two periods: amplitudes and phases are those of a transient."
+        )
+    return (
+        f"The motion is not periodic yet: from the last period but one to the last the CG’s "
+        f"harmonic changes by {percent(drift)}, so that amplitudes and phases are those of a "
+        "transient; a longer time.duration settles that."
+    )
 
 
 def _largest_source(study: Mapping[str, Any]) -> str:
