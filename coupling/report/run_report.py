@@ -33,6 +33,7 @@ from coupling.report.run_tables import (
     scene_tables,
     transfer_table,
 )
+from coupling.report.terms import TERMS
 from coupling.report.verdict import bernoulli_keys, verdict
 from coupling.report.viewer import run_viewer
 
@@ -80,6 +81,7 @@ def _sections(run: RunFiles) -> list[Section]:
         *sections,
         quality_section(run),
         Section(title="Scene", tables=scene_tables(run), source=run.results.scene_toml),
+        TERMS,
     ]
 
 

@@ -17,6 +17,7 @@ from coupling.report.run_report import pressure_section, provenance, quality_sec
 from coupling.report.run_tables import scene_tables
 from coupling.report.study_figures import errors_figure, front_figure
 from coupling.report.study_tables import errors_table, front_table, ratios_table, sources_table
+from coupling.report.terms import TERMS
 from coupling.report.viewer import study_view
 
 _PARTS = {  # what a source of error is a run with something else of
@@ -43,6 +44,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
         drawn = [run for run in runs if run.label not in _CURVELESS]
         sections += [*_curves(drawn), _shapes(drawn), *study_view(drawn, study)]
         sections += [*_reference(drawn), _scene(runs[0])]
+    sections.append(TERMS)
     title = runs[0].scene.title if runs else ""
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",

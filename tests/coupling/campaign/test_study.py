@@ -208,6 +208,7 @@ def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_pat
     assert all(moved[name] > 0.0 for name in ("coarser_grid", "doubled_step", "compliant"))
     text = (folder / "report.html").read_text()
     assert "Where the error comes from" in text
+    assert "What the words mean" in text
     assert study["models"]["hydrostatic"]["transient"] is True  # of a tenth of a second
     assert "The run is shorter than two periods" in text
     assert "Most of what hydrostatic itself errs by in the CG amplitude comes from its" in text
