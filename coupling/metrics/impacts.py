@@ -1,4 +1,4 @@
-"""Blows of the diaphragm, as impulses of the force, which converge where its peaks do not."""
+"""Impulses of the force within an eighth of a period, which converge where its peaks do not."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coupling.ports import Array
 _WINDOW = 0.125  # of a period: a blow is shorter, and what the sway itself does in it is little
 _COUNTED = 0.5  # share of the largest impulse from which on a blow counts
 
-_ROUNDING = 1e-9  # of the weight's impulse in an eighth: below it there is no blow
+_ROUNDING = 1e-9  # of the weight's impulse in an eighth, below which there is none
 
 
 def impacts(
@@ -22,7 +22,8 @@ def impacts(
     """Return the largest impulse of the force within an eighth of a period, and how many there are.
 
     Of what the force has beyond that of a rigid liquid, F - m b: the change of the liquid's
-    momentum in the tank. A blow has the same impulse however high and narrow the steps draw it.
+    momentum in the tank. A blow has the same impulse however high and narrow the steps draw it; a
+    smooth slosh has one to either side in every period.
 
     Parameters
     ----------
