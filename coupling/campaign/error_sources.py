@@ -2,7 +2,7 @@
 
 Numerical sources are changed by a known factor, so that the error left can be estimated; what a
 diaphragm is not known by, its folds' damping, its rim, its friction, is changed within what it may
-be, and the change itself is told.
+be, and the change itself is reported.
 """
 
 from __future__ import annotations

@@ -157,6 +157,7 @@ def is_valid(scene: Scene) -> bool:
 
 
 def coarser_cloth(scene: Scene) -> int:
+    """Resolution of the diaphragm with about half its triangles, four at least."""
     even = 2 if scene.cloth.grid == "thesis" else 1
     return max(4, even * round(scene.cloth.resolution / (even * 2**0.5)))
 
@@ -182,4 +183,5 @@ def coarsening(scene: Scene) -> dict[str, tuple[float, float]]:
 
 
 def altered(scene: Scene, section: str, **values: Any) -> Scene:
+    """The scene with ``values`` in a ``section``, unchecked: ``is_valid`` says if it may be."""
     return scene.model_copy(update={section: getattr(scene, section).model_copy(update=values)})

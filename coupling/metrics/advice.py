@@ -58,14 +58,15 @@ def advice(reference: str | None, rows: Mapping[str, Row], bars: Errors | None =
         return "No model completed: nothing can be advised."
     unknown = [figure for figure in _WORDS if (bars.get(figure) or 0.0) > UNKNOWN]
     unknown = unknown if len(unknown) < len(_WORDS) else []
-    told = _advice(reference, rows, bars, unknown)
+    advised = _advice(reference, rows, bars, unknown)
     if not unknown:
-        return told
+        return advised
     named = " and ".join(_WORDS[figure] for figure in unknown)
-    return f"{told} It leaves out {named}, which {reference} itself does not resolve."
+    return f"{advised} It leaves out {named}, which {reference} itself does not resolve."
 
 
 def _advice(reference: str, rows: Mapping[str, Row], bars: Errors, unknown: Sequence[str]) -> str:
+    """As ``advice``, without the figures of ``unknown``."""
     if not rows.get(reference, {}).get("error"):
         return f"The reference, {reference}, has not completed yet."
     others = {

@@ -87,7 +87,7 @@ def split_table(run: RunFiles) -> Table | None:
 
 
 def impulse_sentence(run: RunFiles) -> str:
-    """How hard the diaphragm strikes; empty for a run that does not tell."""
+    """The largest impulse of the force; empty for a run without a frequency or an impulse."""
     found = run.summary.get("impacts")
     if not found or not found["number"]:
         return ""
@@ -95,7 +95,7 @@ def impulse_sentence(run: RunFiles) -> str:
     return (
         f"The largest impulse beyond a rigid liquid’s within an eighth of a period is "
         f"{number(found['impulse_max_Ns'], 'N s')}, at {number(found['time_of_max_s'], 's')}; half "
-        f"of it or more is met {many}. It converges with the step, which the force’s peak does not."
+        f"of it or more is met {many}. It hangs less on the step than the force’s peak."
     )
 
 

@@ -32,7 +32,7 @@ def errors_table(study: Mapping[str, Any]) -> Table:
             cells = [_cell(key, same.get(key), None, False) for key in COLUMNS]
             rows.append([f"… against {row['model']}", "", "", *cells])
     for key, errors in study["discretisation"].items():
-        if key in SOURCES:  # told with the sources
+        if key in SOURCES:  # in the table of sources
             continue
         cells = [_cell(name, errors.get(name), None, False) for name in COLUMNS]
         rows.append([f"{reference}, {_own(key, reference)}", "", "", *cells])
