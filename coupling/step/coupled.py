@@ -51,7 +51,7 @@ class CoupledStep:
     pressure and F the flow's to an interface:
 
     1. Predictor: open the step on the map for where the structure is heading; x is the structure's
-       answer to the pressure extrapolated from former steps (``InterfaceProblem.begin_step``).
+       answer to the pressure carried on from the step before (``InterfaceProblem.begin_step``).
     2. Iterate: x~ = S(F(x)), r = x~ - x. Where x has no answer it goes back towards the last x that
        had one (``Backtracking``).
     3. Converged, |r| small by ``Convergence``, or ``max_iterations`` done: the step ends at x.

@@ -11,8 +11,8 @@ from coupling.finite_volume.swept import pressure_force
 from coupling.interface.mapping import InterfaceMap
 from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, InterfaceMotion, Structure
 from coupling.step.backtracking import Backtracking
-from coupling.step.defects import Defects
 from coupling.step.interface_step import Answer, InterfaceStep, Iterate, StepRequest, known
+from coupling.step.mismatch import VelocityMismatch
 from coupling.step.stopwatch import Stopwatch
 
 
@@ -20,10 +20,11 @@ class InterfaceProblem:
     """x = S(F(x)) of the interface x (p, 3) [m] at a step's end, ``structure`` S and ``flow`` F.
 
     With ``takes_inertia`` the flow's own inertia operator M_a enters the structure's step, and the
-    flow hands back its defect p + M_a a only, which is small and smooth in time: extrapolated from
-    former steps it is the predictor. The operator belongs to the shape at the step's end, as the
-    diaphragm's velocity has it, and so does the ``mapping``. Where the flow has no mesh for that
-    shape, they are those of half the way there.
+    flow hands back its defect p + M_a a only, which is small and smooth in time: that of the step
+    before is the predictor. There a is the flow's: the structure's, and what makes up for the
+    difference that the step before has left (``VelocityMismatch``). The operator belongs to the
+    shape at the step's end, as the diaphragm's velocity has it, and so does the ``mapping``. Where
+    the flow has no mesh for that shape, they are those of half the way there.
 
     The mapped structure misses the liquid's exact volume by what its triangles and the flow's faces
     differ in. The shift that closes it (``Flow.close_volume``) is nearly constant from step to
@@ -44,11 +45,13 @@ class InterfaceProblem:
         self.structure, self.flow, self.mapping = structure, flow, mapping
         self.takes_inertia, self.backtracking = takes_inertia, backtracking
         self.watch = Stopwatch("structure", "fluid", "mapping")
-        self._defects = Defects()
+        self._defect = np.zeros(())  # p + M_a a (F,) [Pa] of the last step
+        self._mismatch = VelocityMismatch()
         self._request: StepRequest | None = None
         self._step: InterfaceStep | None = None
         self._answer: Answer | None = None  # the structure's last
         self._solved: Iterate | None = None  # the last of ``image``
+        self._moved: InterfaceMotion | None = None  # how its interface moved
 
     @property
     def step(self) -> InterfaceStep:
@@ -116,20 +119,25 @@ class InterfaceProblem:
         return ahead if inertia is None else self._predicted(ahead)
 
     def _predicted(self, ahead: Array) -> Array:
-        """Where the defect of former steps takes the structure, expected at ``ahead`` (p, 3)."""
-        defect = self._defects.next(len(self.flow.faces), known(self._request).dt)
-        return self._structure_answer(pressure_force(ahead, self.flow.faces, defect)).points
+        """Where the defect carried on takes the structure, expected at ``ahead`` (p, 3)."""
+        pressure = self._defect - self._inertial_pressure(np.zeros_like(ahead))
+        return self._structure_answer(pressure_force(ahead, self.flow.faces, pressure)).points
+
+    def _inertial_pressure(self, acceleration: Array) -> Array:
+        """M_a a (F,) [Pa] of the flow, where the structure has the ``acceleration`` (p, 3)."""
+        more = self._mismatch.acceleration(known(self._request).dt)
+        return known(self.step.inertia).pressure(acceleration + more)
 
     def image(self, points: Array) -> Iterate:
         """The iterate at ``points`` x (p, 3) [m], whose volume is closed first.
 
         Raises ``RunFailed`` (``StepFailed`` where a shorter step may do), ArithmeticError.
         """
-        points = self.close_volume(points)
+        points, motion = self.close_volume(points), self._motion
         with self.watch.timed("fluid"):
-            pressure = self.flow.solve(points, self._motion if self.moves else None)
+            pressure = self.flow.solve(points, motion if self.moves else None)
         image = self._image(points, pressure)
-        self._solved = Iterate(points=points, pressure=pressure, image=image)
+        self._solved, self._moved = Iterate(points=points, pressure=pressure, image=image), motion
         return self._solved
 
     def close_volume(self, points: Array) -> Array:
@@ -161,17 +169,20 @@ class InterfaceProblem:
     def accept_step(self) -> FlowSample:
         """Commit what the last call of ``image`` solved."""
         if self.step.inertia is not None:
-            solved = known(self._solved)
-            inertial = self.step.inertia.pressure(self._motion.acceleration(solved.points))
-            self._defects.add(solved.pressure + inertial, known(self._request).dt)
+            solved, motion = known(self._solved), known(self._moved)
+            inertial = self._inertial_pressure(motion.acceleration(solved.points))
+            self._defect = solved.pressure + inertial
+            ahead = self._motion.velocity(solved.image) - motion.velocity(solved.points)
+            self._mismatch.add(ahead, known(self._request).dt)
         self.structure.accept_step()
         return self.flow.accept_step()
 
     def save(self) -> dict[str, Array]:
         """The predictor's history, and the map's."""
-        return self._defects.save() | self.mapping.save()
+        return {"defect": self._defect} | self._mismatch.save() | self.mapping.save()
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
-        self._defects.restore(saved)
+        self._defect = saved["defect"]
+        self._mismatch.restore(saved)
         self.mapping.restore(saved)

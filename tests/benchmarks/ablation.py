@@ -32,7 +32,6 @@ from coupling.schemes.iqn_ils import IqnIlsSettings
 from coupling.simulation.driver import run
 from coupling.step.backtracking import BacktrackingSettings
 from coupling.step.coupled import CoupledSettings
-from coupling.step.defects import DefectSettings
 from coupling.step.halving import HalvingSettings
 from coupling.step.remap import RemapSettings
 
@@ -51,7 +50,6 @@ TRIED: dict[type, dict[str, tuple[float, ...]]] = {
     RemapSettings: {"maps": (1,), "slow": (4,)},
     HalvingSettings: {"halvings": (0,)},
     CoupledSettings: {"diverged": (10.0,)},
-    DefectSettings: {"order": (0, 1, 3)},
     IqnIlsSettings: {"filtering": (0.0, 0.3)},
     PatchSettings: {
         "wedge": (tan(radians(5.0)), tan(radians(30.0))), "film": (0.005, 0.08),
