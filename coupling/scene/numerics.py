@@ -86,7 +86,7 @@ class Potential(Section):
     """The irrotational liquid's unknowns; read only when ``model.fluid`` is ``potential``."""
 
     degree: int = Field(
-        default=6, ge=2, le=14, description="degree of the potential's harmonic polynomials"
+        default=8, ge=2, le=14, description="degree of the potential's harmonic polynomials"
     )
 
 

@@ -24,7 +24,7 @@ from coupling.scene.scene import Scene, load_scene, with_overrides
 
 HERE = Path(__file__).parent
 BASE = HERE.parent / "sway_map" / "scene.toml"
-COMMON = ("time.periods=4", "time.steps_per_period=50", "cloth.resolution=14")
+COMMON = ("time.periods=4", "time.steps_per_period=50")
 LADDER = ladder()
 TOP = LADDER[-1]
 

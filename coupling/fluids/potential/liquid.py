@@ -28,7 +28,7 @@ class PotentialLiquid:
     """Liquid of ``density`` [kg/m^3] between a ``shell`` and ``triangles`` (m, 3).
 
     The triangles, over ``nodes`` points, are counter-clockwise seen from the gas, their border on
-    the shell's rim. ``degree`` of the polynomials: 6 is 48 unknowns. ``layer`` [m/s]: the
+    the shell's rim. ``degree`` of the polynomials: 8 is 80 unknowns. ``layer`` [m/s]: the
     ``layer_speed`` of the boundary layers, 0 for a liquid without viscosity.
     """
 
