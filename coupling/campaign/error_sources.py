@@ -13,10 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from coupling.campaign.study_plan import (
+    COARSER,
     Entry,
     altered,
     coarsening,
     coarser_cloth,
+    coarser_scenes,
     is_valid,
     ladder_rows,
     less_resolved,
@@ -24,6 +26,7 @@ from coupling.campaign.study_plan import (
     stretch_row,
     thesis_row,
 )
+from coupling.campaign.theory_checks import check_entries
 from coupling.estimate.orders import SHEET_ORDER
 from coupling.fluids import FLUIDS, by_rank
 from coupling.fluids.model import CoarserScene
@@ -37,9 +40,9 @@ UNKNOWN = "half_fold_damping", "other_rim", "friction"  # of the diaphragm
 def refinements(scene: Scene) -> dict[str, CoarserScene]:
     """Return the scene with each of its numerical sources of error alone enlarged, by name.
 
-    Beside those of ``study_plan``: a second coarser grid of the flow, from which the order of its
-    error shows; a coarser diaphragm below a flow with a grid of its own; tolerances ten times as
-    large, the error going with them; what the fluid model itself approximates by.
+    Beside those of ``study_plan``: a second coarser grid, from which the order of its error shows;
+    a coarser diaphragm below a flow with a grid of its own; tolerances ten times as large, the
+    error going with them; what the fluid model itself approximates by.
     """
     model, cloth = FLUIDS[scene.model.fluid], scene.cloth
     found = dict(model.approximations(scene))
@@ -48,14 +51,22 @@ def refinements(scene: Scene) -> dict[str, CoarserScene]:
         coarser = altered(scene, "cloth", resolution=coarser_cloth(scene))
         width = cloth.resolution / coarser.cloth.resolution
         found[CLOTH_GRID] = CoarserScene(scene=coarser, width=width, order=SHEET_ORDER)
-        second = model.coarser(flow.scene) if is_valid(flow.scene) else None
-        if second is not None:
-            width = flow.width * second.width
-            found[COARSEST] = CoarserScene(scene=second.scene, width=width, order=second.order)
+    second = coarsest_scene(scene)
+    if second is not None:
+        (first, order), (further, _) = (
+            coarsening(one)[COARSER] for one in (scene, coarser_scenes(scene)[COARSER])
+        )
+        found[COARSEST] = CoarserScene(scene=second, width=first * further, order=order)
     if cloth.grid == "rings":
         looser = altered(scene, "cloth", tolerance=_LOOSER * cloth.tolerance)
         found[LOOSE_CLOTH] = CoarserScene(scene=looser, width=_LOOSER, order=1.0)
     return {name: one for name, one in found.items() if one.width != 1.0 and is_valid(one.scene)}
+
+
+def coarsest_scene(scene: Scene) -> Scene | None:
+    """Return the scene on the grid that is coarser than its coarser one; None without any."""
+    coarser = coarser_scenes(scene).get(COARSER)
+    return None if coarser is None else coarser_scenes(coarser).get(COARSER)
 
 
 def unknowns(scene: Scene) -> dict[str, Scene]:
@@ -92,7 +103,8 @@ def planned_runs(scene: Scene, models: Sequence[str], *, quick: bool) -> dict[Pa
             beside = [stretch_row(scene, models)]
     finer = [*less_resolved(rows), *stiffer(rows)]
     if not quick:
-        finer += [*refined(rows), *with_unknowns(rows)]
+        finer += [*coarsest(rows), *refined(rows), *with_unknowns(rows)]
+        finer += check_entries(scene, models)
     return {entry.place: entry.scene for entry in [*rows, *beside, *finer]}
 
 
@@ -103,6 +115,12 @@ def refined(entries: Iterable[Entry]) -> list[Entry]:
         for entry in entries
         for name, one in refinements(entry.scene).items()
     ]
+
+
+def coarsest(entries: Iterable[Entry]) -> list[Entry]:
+    """Return each of ``entries`` on its coarsest grid, where there is one."""
+    scenes = ((entry.row, coarsest_scene(entry.scene)) for entry in entries)
+    return [Entry(row=row, resolution=COARSEST, scene=one) for row, one in scenes if one]
 
 
 def with_unknowns(entries: Sequence[Entry]) -> list[Entry]:

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from coupling.campaign.error_sources import refined, with_unknowns
+from coupling.campaign.error_sources import coarsest, refined, with_unknowns
 from coupling.campaign.study_plan import (
     THESIS,
     Entry,
@@ -20,6 +20,7 @@ from coupling.campaign.study_plan import (
     thesis_row,
 )
 from coupling.campaign.study_record import StudyRecord
+from coupling.campaign.theory_checks import check_entries
 from coupling.ports import RunFailed
 from coupling.report import write_report
 from coupling.scene.content import content_in, content_of
@@ -48,10 +49,11 @@ def run_study(
 ) -> dict[str, Any]:
     """Run ``scene`` with each of ``models``, and hold them against the highest that completes.
 
-    Besides, each of them less resolved; the thesis' own algorithm, less resolved too; a diaphragm
-    that stretches; and each source of the reference's error (``error_sources``). ``quick`` leaves
-    all that out but for the reference's less resolved runs, which say how well it knows its own
-    figures.
+    Besides, each of them less resolved, on two grids and with one step; the thesis' own algorithm,
+    less resolved too; a diaphragm that stretches; each source of the reference's error
+    (``error_sources``); and short runs that are held against theory (``theory_checks``). ``quick``
+    leaves all that out but for the reference's less resolved runs, which say how well it knows its
+    own figures.
 
     Runs go to ``folder/<row>`` and ``folder/discretisation/<row>/<resolution>``. One that is
     complete there, of the same scene, is taken as it is; so a study that was stopped goes on. A
@@ -103,8 +105,10 @@ def _planned(rows: Sequence[Entry], record: StudyRecord, *, quick: bool) -> Iter
     yield from less_resolved(best if quick else [*others, *best])
     yield from stiffer(best)
     if not quick:
+        yield from coarsest(others)
         yield from refined(best)
         yield from with_unknowns(finished)
+        yield from check_entries(rows[0].scene, record.models)
 
 
 def run_or_reuse(scene: Scene, folder: Path, progress: Progress | None) -> dict[str, Any]:

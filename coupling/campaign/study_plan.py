@@ -14,6 +14,7 @@ from coupling.scene.scene import Scene, SceneError, plain_values, scene_from, wi
 
 THESIS = "thesis"
 STRETCH = {True: "compliant", False: "inextensible"}  # by what the scene's own diaphragm is not
+CHECKS = "checks"  # row of the runs that are held against theory
 AS_RUN, COARSER = "as_run", "coarser_grid"
 DOUBLED, HALVED = "doubled_step", "halved_step"
 STIFFER = "doubled_stiffness"
@@ -32,6 +33,8 @@ class Entry:
         """Folder of the run, relative to the study's."""
         if self.resolution == AS_RUN:
             return Path(self.row)
+        if self.row == CHECKS:
+            return Path(self.row) / self.resolution
         return Path("discretisation") / self.row / self.resolution
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from coupling.campaign.error_sources import UNKNOWN, coarsening_of
 from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry
+from coupling.campaign.theory_checks import check_rows
 from coupling.fluids import FLUIDS, by_rank
 from coupling.metrics.advice import advice, verdict
 from coupling.metrics.comparison import Errors, compare
@@ -72,6 +73,7 @@ class StudyRecord:
             "sources": self._sources(best, own),
             "observed_order": observed_orders(own, self._coarsening(best)),
             "bernoulli": self._bernoulli(best),
+            "checks": check_rows(self._done, {e.row: summary for e, summary in self._as_run()}),
             "points": self._points(),
             "verdict": verdict(best, rows, bars),
             "advice": advice(best, rows, bars),
@@ -149,6 +151,7 @@ class StudyRecord:
             "failure": summary.get("error"),
             "model": entry.scene.model.fluid,
             "wall_s": summary.get("wall_s"),
+            "cpu_s": summary.get("cpu_s"),
             "error": errors,
             "speedup": _speedup(reference and reference[1], summary),
             "below_reference_error": [] if entry.row == best else below(errors, bars),
@@ -169,6 +172,7 @@ class StudyRecord:
                 "status": summary.get("status"),
                 "failure": summary.get("error"),
                 "wall_s": summary.get("wall_s"),
+                "cpu_s": summary.get("cpu_s"),
                 "error": self._error(entry, summary, self.reference),
                 "on_front": [],
             }
@@ -203,6 +207,7 @@ def _no_row(summary: Summary) -> dict[str, Any]:
         "status": summary["status"],
         "failure": summary["error"],
         "wall_s": None,
+        "cpu_s": None,
         "error": {},
         "speedup": None,
         "below_reference_error": [],

@@ -140,6 +140,7 @@ def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> 
         (
             f"{point['model']}, {point['resolution'].replace('_', ' ')}",
             figure(point["wall_s"]),
+            figure(point.get("cpu_s")),
             *(
                 figure(point["error"].get(name), 3) + (" *" if name in point["on_front"] else "")
                 for name in names
@@ -148,7 +149,7 @@ def _print_points(points: Sequence[Mapping[str, Any]], names: Sequence[str]) -> 
         for point in sorted(points, key=lambda item: item["wall_s"] or float("inf"))
     ]
     heads = [_ERRORS.get(name, name) for name in names]
-    print_table("speed against error, * on the front", ("run", "wall [s]", *heads), rows)
+    print_table("speed against error, * on the front", ("run", "wall [s]", "CPU [s]", *heads), rows)
 
 
 def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:

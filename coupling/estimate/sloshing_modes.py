@@ -92,6 +92,40 @@ def lateral_heights(level: float, mode: int, distance: Array) -> Array:
     return np.asarray(heights[: len(distance)] / heights[np.argmax(np.abs(heights[-101:])) - 101])
 
 
+def mode_shares(level: float, count: int) -> Array:
+    """Return the share of the liquid's mass that swings with each of the first lateral modes.
+
+    As an oscillator with that mass and the mode's frequency the mode pushes the tank along x:
+    m_k = rho omega_k^2/g (int x phi dA)^2/int phi^2 dA over the surface (Abramson, NASA SP-106,
+    1966). A half-full ball's are 0.580, 0.015 and 0.004.
+
+    Parameters
+    ----------
+    level
+        Depth of the liquid over the radius, h/R in (0, 2); not checked.
+    count
+        Number of modes.
+
+    Returns
+    -------
+    Array
+        Shares (``count``,) [-].
+    """
+    node, weight = legendre.leggauss(2 * DEGREE)
+    node, weight = (node + 1) / 2, weight / 2
+    surface = _basis(node, np.zeros_like(node), DEGREE, DEGREE // 2)[0]
+    rim = np.sqrt(level * (2 - level))
+    # Over pi: int x phi dA; of unit Dirichlet integral int phi^2 dA is the inverse eigenvalue.
+    lever = surface @ (weight * rim**3 * node**2)
+    volume = level**2 * (3 - level) / 3
+    return np.array(
+        [
+            (lateral_eigenvalue(level, mode) * (_mode(level, mode) @ lever)) ** 2 / volume
+            for mode in range(1, count + 1)
+        ]
+    )
+
+
 def _mode(level: float, mode: int) -> Array:
     """Coefficients (b,) of a lateral mode, of unit Dirichlet integral over pi."""
     with threadpool_limits(1):

@@ -55,6 +55,7 @@ def summarise(
         "steps": statistics.steps,
         "simulated_s": statistics.simulated_s,
         "wall_s": statistics.wall_s,
+        "cpu_s": statistics.cpu_s,
         "wall_by_part": dict(statistics.wall_by_part),
         "strain_tensile_max": statistics.strain_tensile_max,
         "strain_tensile_p99": quantile(statistics.strain_areas, 0.99),

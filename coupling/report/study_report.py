@@ -16,7 +16,13 @@ from coupling.report.page import Page, Section, percent
 from coupling.report.run_report import pressure_section, provenance, quality_section
 from coupling.report.run_tables import scene_tables
 from coupling.report.study_figures import errors_figure, front_figure
-from coupling.report.study_tables import errors_table, front_table, ratios_table, sources_table
+from coupling.report.study_tables import (
+    checks_table,
+    errors_table,
+    front_table,
+    ratios_table,
+    sources_table,
+)
 from coupling.report.terms import TERMS
 from coupling.report.viewer import study_view
 
@@ -44,7 +50,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
         drawn = [run for run in runs if run.label not in _CURVELESS]
         sections += [*_curves(drawn), _shapes(drawn), *study_view(drawn, study)]
         sections += [*_reference(drawn), _scene(runs[0])]
-    sections.append(TERMS)
+    sections += [*_checks(study), TERMS]
     title = runs[0].scene.title if runs else ""
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",
@@ -126,6 +132,11 @@ def _errors(study: Mapping[str, Any]) -> Section:
 def _sources(study: Mapping[str, Any]) -> list[Section]:
     table = sources_table(study)
     return [] if table is None else [Section(title="Where the error comes from", tables=[table])]
+
+
+def _checks(study: Mapping[str, Any]) -> list[Section]:
+    table = checks_table(study)
+    return [] if table is None else [Section(title="Checks against theory", tables=[table])]
 
 
 def _ratios(study: Mapping[str, Any]) -> list[Section]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -92,7 +93,7 @@ class _Run:
         )
         self.unwritten: Sample | None = None  # the last step, if that was no instant of output
         self.pace = Pace(_CHECKPOINT_SHARE)
-        self.clock = perf_counter()
+        self.clock, self.cpu = perf_counter(), _cpu_time()
 
     def _begun_results(self) -> ResultsWriter:
         return ResultsWriter.create(
@@ -138,6 +139,7 @@ class _Run:
         """The rest of the ``saved`` run; returns the summary."""
         self.tally.statistics = RunStatistics(**saved.statistics)
         self.clock -= self.tally.statistics.wall_s
+        self.cpu -= self.tally.statistics.cpu_s
 
         def begin() -> None:
             self.energy.restore(saved.parts["energy"])
@@ -199,12 +201,16 @@ class _Run:
         with self.pace.timed():
             self.results.flush()
             parts = self.sides.save() | {"energy": self.energy.save()}
-            self.tally.statistics.wall_s = perf_counter() - self.clock
+            self._take_times()
             save_run(
                 self.folder, self.content, step=step, rows=self.results.rows, parts=parts,
                 statistics=self.tally.statistics.to_dict(),
             )  # fmt: skip
         self.tally.seconds("output", clock)
+
+    def _take_times(self) -> None:
+        self.tally.statistics.wall_s = perf_counter() - self.clock
+        self.tally.statistics.cpu_s = _cpu_time() - self.cpu
 
     def _guarded(self, body: Callable[[], None]) -> dict[str, Any]:
         """Run ``body`` and write the summary, however it ends."""
@@ -230,8 +236,14 @@ class _Run:
             status, error = "failed", error or str(failure)
         self.iterations.close()
         self.sides.close()
-        self.tally.statistics.wall_s = perf_counter() - self.clock
+        self._take_times()
         results = open_results(self.folder)
         summary = summarise(results, self.tally.statistics, self.scene, status, error)
         write_json(self.folder / SUMMARY, summary)
         return summary
+
+
+def _cpu_time() -> float:
+    """CPU time [s] of this process and of all that it has started and seen end."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system

@@ -69,7 +69,8 @@ class Sample(StepSample):
 class RunStatistics:
     """What a run counts as it goes; becomes part of ``summary.json``.
 
-    Every step counts here, not only those written out. ``wall_by_part`` [s]; ``flow_solver``:
+    Every step counts here, not only those written out. ``cpu_s`` [s]: of all processes, but for a
+    flow solver that was killed with the run; ``wall_by_part`` [s]; ``flow_solver``:
     whether the flow's solver stayed alive or was restarted; ``settle_residual`` [-]: force that
     settling left over rho g R^3; ``flow_fields_bytes``: on disk, where asked for.
     ``strain_areas``: as ``coupling.metrics.strains.spread`` has it, summed over steps times
@@ -79,6 +80,7 @@ class RunStatistics:
     steps: int = 0
     simulated_s: float = 0.0
     wall_s: float = 0.0
+    cpu_s: float = 0.0
     wall_by_part: dict[str, float] = field(
         default_factory=lambda: {"structure": 0.0, "fluid": 0.0, "mapping": 0.0, "output": 0.0}
     )

@@ -195,11 +195,16 @@ def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_pat
         ("hydrostatic", "coarser_grid"),
         ("hydrostatic", "doubled_step"),
         ("hydrostatic", "doubled_stiffness"),
+        ("datum", "coarsest_grid"),
+        ("thesis", "coarsest_grid"),
+        ("hydrostatic", "coarsest_grid"),
         ("hydrostatic", "looser_diaphragm"),
     ]
+    assert all(point["cpu_s"] > 0.0 for point in study["points"])
     assert all(point["error"]["pressure_rms"] is not None for point in study["points"])
     expected = {"coarser_grid", "doubled_step", "doubled_stiffness", "looser_diaphragm"}
-    assert set(study["discretisation"]) == expected
+    assert set(study["discretisation"]) == expected | {"coarsest_grid"}
+    assert study["observed_order"]["coarser_grid"]["shape_rms"] != 0.0
     numerical = {one["source"] for one in study["sources"] if one["kind"] == "numerical"}
     unknown = {one["source"] for one in study["sources"] if one["kind"] == "unknown"}
     assert numerical == expected
