@@ -41,8 +41,10 @@ def summarise(
     largest sizes of each component at the ends of steps, ``peak_dynamic_N`` less the weight.
     ``cloth`` counts inner iterations of the solves that parts of steps end with;
     ``strain_tensile_p99`` is what strain stays below in 99 % of area and time.
-    ``impacts``: impulses of the force, null for a motion without a frequency. ``rubbing`` is what
-    had gathered at the end, null where nothing slid. What cannot be said at all is null.
+    ``dynamic_in_band``: rms of p* at up to four times the frequency, over that of the hydrostatic
+    pressure, in the fitted periods. ``impacts``: impulses of the force, null for a motion without a
+    frequency. ``rubbing`` is what had gathered at the end, null where nothing slid. What cannot be
+    said at all is null.
     """
     series, strength = results.steps, scene.diaphragm.strength
     fits = harmonics(series, scene)
@@ -80,7 +82,8 @@ def summarise(
         "bernoulli": _bernoulli(series, statistics, scene, fits),
         "pressure": bernoulli.pressure_split(
             series.metrics, has_flow=statistics.speed_max is not None
-        ),
+        )
+        | {"dynamic_in_band": statistics.dynamic_in_band},
         "impacts": _impacts(series, scene),
         "boundary_layer": layer_resolution(series.metrics, scene.liquid.viscosity, scene.frequency),
         "flow_mesh": mesh_fit(series.metrics),

@@ -6,6 +6,7 @@ import numpy as np
 
 from coupling.fluids import FLUIDS
 from coupling.metrics.bernoulli import effective_gravity, thesis_estimates
+from coupling.metrics.harmonic import BAND
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent, ratio
 
@@ -78,6 +79,10 @@ def split_table(run: RunFiles) -> Table | None:
         elif value is not None:
             share = percent(value / whole) if whole else "–"
             rows.append([text, number(value, "Pa"), share, percent(pressure.get(f"{part}_median"))])
+    band = pressure.get("dynamic_in_band")
+    if band is not None:
+        text = f"p* at up to {BAND} times the frequency, in the fitted periods"
+        rows.insert(2, [text, "", percent(band), ""])
     return Table(
         head=["rms over the diaphragm", "and over time", "of hydrostatic", "its median over time"],
         rows=rows,

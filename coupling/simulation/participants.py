@@ -19,6 +19,7 @@ from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepR
 from coupling.scene.choices import AUTO
 from coupling.scene.scene import Scene
 from coupling.simulation.energy import Instant, instant_of
+from coupling.simulation.pressure_band import PressureBand
 from coupling.simulation.sampling import at_nodes, sample_at, still
 from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
@@ -50,6 +51,7 @@ class Participants:
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
         self.halving = Halving(control=self._error_control())
+        self.band = PressureBand(scene)
         self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
 
@@ -95,6 +97,7 @@ class Participants:
         self.cloth.restore(saved["structure"])
         self.step.restore(saved)
         self.halving.restore(saved["halving"])
+        self.band.restore(saved["band"])
 
     def _couple(self, record: Record) -> None:
         """Build the step of the settled diaphragm with its liquid."""
@@ -160,13 +163,16 @@ class Participants:
         pressures = still(len(state.position))
         if liquid is not None:
             pressures = at_nodes(liquid, self.step.to_nodes)
-        return sample_at(
+        sample = sample_at(
             time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
             displacement=self.frame.displacement(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
             metrics=metrics | self.step.metrics(liquid),
         )  # fmt: skip
+        if liquid is not None:
+            self.band.add(sample, self.cloth.triangles)
+        return sample
 
     def write_fields(self) -> None:
         """Leave the flow's fields as committed in its folder, where the scene asks for them."""
@@ -176,11 +182,12 @@ class Participants:
         """Everything ``restore`` needs to go on bit for bit."""
         return {
             "settled": self.settled, "structure": self.cloth.save(),
-            "halving": self.halving.save(),
+            "halving": self.halving.save(), "band": self.band.save(),
         } | self.step.save()  # fmt: skip
 
     def close(self) -> None:
-        """End a flow's solver."""
+        """End a flow's solver, and count what has been gathered."""
+        self.tally.statistics.dynamic_in_band = self.band.fraction
         size = self.step.close()
         if size is not None:
             self.tally.statistics.flow_fields_bytes = size

@@ -73,6 +73,7 @@ class RunStatistics:
     flow solver that was killed with the run; ``wall_by_part`` [s]; ``flow_solver``:
     whether the flow's solver stayed alive or was restarted; ``settle_residual`` [-]: force that
     settling left over rho g R^3; ``flow_fields_bytes``: on disk, where asked for.
+    ``dynamic_in_band``: see ``simulation.pressure_band``.
     ``strain_areas``: as ``coupling.metrics.strains.spread`` has it, summed over steps times
     their lengths; ``cloth_...``: inner iterations of the solve that each part of a step ends with.
     """
@@ -102,6 +103,7 @@ class RunStatistics:
     speed_max: float | None = None
     dphi_dt_max: float | None = None
     flow_fields_bytes: int | None = None
+    dynamic_in_band: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values by name, for the checkpoint."""

@@ -21,7 +21,7 @@ from coupling.store.run_record import read_summary
 EVERY = (1, 2, 4)
 STEPS = 112  # 2.24 periods
 STOP = 0.575  # s, after the 57th step: neither at a checkpoint nor an instant of output
-COSTS = ("wall_s", "wall_by_part", "flow_fields_bytes")
+COSTS = ("wall_s", "cpu_s", "wall_by_part", "flow_fields_bytes")
 
 
 def scene_in(folder: Path, fluid: str, every: int) -> Scene:
