@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from cloth.contact import pressed, slid
 from cloth.energy import SheetLosses, rubber_at, sheet_losses, stretch_loss
 from cloth.problem import Solution, StepProblem
+from cloth.rubbing import rubbed
 from cloth.state import Memory
 
 
@@ -17,11 +17,7 @@ def committed(
 ) -> tuple[Memory, SheetLosses]:
     """Return the memory after ``problem``, begun from ``before``, and what was lost in it."""
     p, s, m = problem, solution, before
-    reach = 0.5 * float(p.model.thickness.max())
-    rubbing = pressed(m.position, m.contact_force, p.model.shell, reach)
-    rubbing &= pressed(s.position, s.contact_force, p.model.shell, reach)
     rubber, slack = rubber_at(p.model, s.position, p.rest)
-    rubbed = 0.0 if s.contact is None else s.contact.node_slip()
     after = Memory(
         position=s.position,
         velocity=p.kin.velocity(s.position),
@@ -35,8 +31,7 @@ def committed(
         strain=s.strain,
         rubber_strain=rubber,
         change=np.array([s.change]),
-        shell_slip=m.shell_slip + slid(m.position, s.position, rubbing, p.model.shell),
-        self_slip=m.self_slip + rubbed,
+        **rubbed(p, s, m),
         near=np.array([float(s.contact is not None and s.contact.near.any())]),
     )
     damping, strained = p.settings.stretch_damping, rubber - m.rubber_strain

@@ -10,29 +10,6 @@ from cloth.shell.shell import Shell
 EXACT = 1e-12  # of the shell's size, within which a node is where it was
 
 
-def pressed(position: Array, contact_force: Array, shell: Shell, reach: float) -> Bools:
-    """Return which nodes (n,) are near the shell and press on it.
-
-    Parameters
-    ----------
-    position
-        Positions (n, 3) [m].
-    contact_force
-        What the sheet exerts (n, 3) [N] on the shell, and on itself elsewhere.
-    shell
-        The shell.
-    reach
-        Distance from the shell [m] within which a node counts as near.
-
-    Returns
-    -------
-    Bools
-        Nodes (n,) within ``reach`` whose force points outward.
-    """
-    outward = np.einsum("id,id->i", contact_force, shell.normal(position))
-    return np.asarray((shell.gap(position) < reach) & (outward > 0.0))
-
-
 def slid(start: Array, end: Array, pressed: Bools, shell: Shell) -> Array:
     """Return how far each node has slid along the shell in a straight motion.
 

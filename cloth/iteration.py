@@ -45,6 +45,7 @@ class Iteration:
         self.uc = p.contact_force / np.where(self.weight > 0.0, self.weight, 1.0)[:, None]
         self.gradient, self.response = np.zeros_like(self.x), np.zeros_like(self.x)
         self.rub, self.self_rub = np.zeros_like(self.x), np.zeros_like(self.x)
+        self.pressing = np.zeros((len(self.x), 2))
         self.slope = p.load.density * p.load.body_force
         self.datum = p.datum if p.load.datum is None else p.load.datum
         self.done = 0
@@ -70,7 +71,7 @@ class Iteration:
         if self.planes is not None:
             self.planes.step(
                 model.mobility, model.shell.profile, self.weight, p.settings.self_friction,
-                p.committed, self.zc, self.uc, self.self_rub, rhs,
+                p.committed, self.zc, self.uc, self.self_rub, self.pressing, rhs,
             )  # fmt: skip
         x = p.system.solve(rhs)
         x[model.mesh.fixed] = model.clamped[model.mesh.fixed]
@@ -160,6 +161,7 @@ class Iteration:
             contact_force=self.uc * self.weight[:, None],
             rub=self.rub,
             self_rub=self.self_rub,
+            pressing=self._pressing(),
             datum=self.datum,
             volume=end.volume,
             strain=end.strain,
@@ -170,6 +172,14 @@ class Iteration:
             admissible=admissible,
             converged=admissible and self.near_enough,
         )
+
+    def _pressing(self) -> Array:
+        """As ``Solution`` has it: the planes' own, or all of the force where there are none."""
+        if self.planes is not None and len(self.planes.nodes):
+            return self.pressing
+        normal = self.problem.model.shell.normal(self.zc)
+        outward = self.weight * np.einsum("id,id->i", self.uc, normal)
+        return np.column_stack([np.maximum(outward, 0.0), np.zeros_like(outward)])
 
     def _diverged(self, symptom: str) -> ArithmeticError:
         return ArithmeticError(

@@ -18,11 +18,11 @@ from cloth.shell.shell import Shell
 class ClothModel:
     """Mesh, mass, stretch and bending of a sheet, and the ``shell`` around it, if any.
 
-    ``mass`` (n,) [kg], lumped; ``thickness`` (m,) [m]; ``tensile`` and
-    ``compressive`` (m,) [N/m]; ``poisson`` [-], 0 of a sheet stiffer than its rubber; ``size`` L
-    [m], half the mesh's largest extent; ``clamped`` (n, 3) [m], where fixed nodes are held;
-    ``mobility`` (n,) [1/kg], 0 where fixed; ``inertia`` [kg], of an area L^2; ``below_rim``
-    [m^3]: the shell's volume below the rim's plane.
+    ``mass`` (n,) [kg] and ``node_areas`` (n,) [m^2], lumped; ``thickness`` (m,) [m];
+    ``tensile`` and ``compressive`` (m,) [N/m]; ``poisson`` [-], 0 of a sheet stiffer than its
+    rubber; ``size`` L [m], half the mesh's largest extent; ``clamped`` (n, 3) [m], where fixed
+    nodes are held; ``mobility`` (n,) [1/kg], 0 where fixed; ``inertia`` [kg], of an area L^2;
+    ``below_rim`` [m^3]: the shell's volume below the rim's plane.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class ClothModel:
         if thickness is None:
             thickness = np.full(len(self.areas), diaphragm.thickness)
         self.thickness = thickness
-        area = lumped(mesh)
+        self.node_areas = area = lumped(mesh)
         self.mass = lumped(mesh, diaphragm.density * thickness)
         self.inertia = float(self.mass.sum() / area.sum()) * self.size**2
         self.mobility = np.where(self.free, 1.0 / self.mass, 0.0)

@@ -48,6 +48,8 @@ class Solution:
     ``change`` [m] is the rms displacement that further iterations would add, as estimated, and
     that made the last iterate admissible (see ``cloth.ending``).
     ``rub`` (n, 3) [N]: the friction that the sheet exerts on the shell, ``self_rub`` on itself;
+    ``pressing`` (n, 2) [N]: the size of the normal force on the shell, and the sum of those on
+    other parts of the sheet;
     ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
     ``admissible``: what made the iterate so meets the tolerance, the volume is kept, and no part
     crosses another; ``converged``: both parts of ``change`` meet it.
@@ -58,6 +60,7 @@ class Solution:
     contact_force: Array
     rub: Array
     self_rub: Array
+    pressing: Array
     datum: float
     volume: float
     strain: Array

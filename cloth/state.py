@@ -9,6 +9,10 @@ import numpy as np
 
 from cloth.arrays import Array
 
+# What a node has of its contacts, each (n,) or (n, 3); see ``cloth.rubbing``.
+PRESSURES = ("shell_pressure", "self_pressure")
+GATHERED = ("shell_slip", "self_slip", "shell_work", "self_work", "rub_place")
+
 
 @dataclass(frozen=True, kw_only=True)
 class ClothState:
@@ -16,10 +20,15 @@ class ClothState:
 
     ``position``, ``velocity`` (n, 3) [m, m/s]; ``datum_pressure`` [Pa]; ``volume`` of the liquid
     [m^3]; ``strain`` and ``tension`` (m,) [-, N/m], the largest principal ones of every triangle;
-    ``shell_slip``, ``self_slip`` (n,) [m]: how far a node has slid so far, pressed on the shell
-    and on another part of the sheet; ``change``: the last inner iteration's rms displacement [m],
-    the solver's own error. The largest tensions do not converge: where the sheet snaps taut they
-    grow as 1/step, and where it is locked against the shell they are not unique.
+    ``contact_force`` (n, 3) [N] that the sheet exerts on the shell and on itself;
+    ``shell_pressure``, ``self_pressure`` (n,) [Pa], those of the contact with the shell and with
+    another part of the sheet; ``shell_slip``, ``self_slip`` (n,) [m]: how far a node has slid so
+    far, pressed on either; ``shell_work``, ``self_work`` (n,) [J/m^2]: int p ds on that way;
+    ``rub_place`` (n, 3) [m]: where on the shell, the mean weighted by p ds, 0 where it slid
+    nowhere. Pressures and works are per moulded area. ``change``: the last inner iteration's rms
+    displacement [m], the solver's own error. The largest tensions do not converge: where the sheet
+    snaps taut they grow as 1/step, and where it is locked against the shell they are not unique.
+    Pressures are the same.
     """
 
     position: Array
@@ -28,9 +37,20 @@ class ClothState:
     volume: float
     strain: Array
     tension: Array
+    contact_force: Array
+    shell_pressure: Array
+    self_pressure: Array
     shell_slip: Array
     self_slip: Array
+    shell_work: Array
+    self_work: Array
+    rub_place: Array
     change: float
+
+
+def untouched(nodes: int) -> dict[str, Array]:
+    """Return slips, works and places of so many ``nodes`` that have slid nowhere, by name."""
+    return {name: np.zeros((nodes, 3) if name == "rub_place" else nodes) for name in GATHERED}
 
 
 def principal_tension(tension: Array) -> Array:
@@ -50,7 +70,7 @@ class Memory:
     there is no previous step; ``tension`` (m, 3, 2) [N/m], the strain limit's dual in physical
     units; ``contact_force`` (n, 3) [N], the shell's; ``datum`` [Pa]; ``volume`` [m^3];
     ``strain`` (m,); ``rubber_strain`` (m, 3), the rubber's own (``cloth.viscous``); ``change`` [m];
-    ``shell_slip``, ``self_slip`` (n,) [m]; ``near``, 1 where
+    pressures, slips, works (n,) and ``rub_place`` (n, 3) as in ``ClothState``; ``near``, 1 where
     parts of the sheet are near each other. Scalars are arrays of shape (1,).
     """
 
@@ -66,8 +86,13 @@ class Memory:
     strain: Array
     rubber_strain: Array
     change: Array
+    shell_pressure: Array
+    self_pressure: Array
     shell_slip: Array
     self_slip: Array
+    shell_work: Array
+    self_work: Array
+    rub_place: Array
     near: Array
 
     @classmethod
@@ -90,8 +115,8 @@ class Memory:
             strain=np.zeros(triangles),
             rubber_strain=np.zeros((triangles, 3)),
             change=np.zeros(1),
-            shell_slip=np.zeros(len(position)),
-            self_slip=np.zeros(len(position)),
+            **{name: np.zeros(len(position)) for name in PRESSURES},
+            **untouched(len(position)),
             near=np.zeros(1),
         )
 
@@ -130,7 +155,7 @@ def state_of(memory: Memory) -> ClothState:
         volume=float(m.volume[0]),
         strain=m.strain.copy(),
         tension=principal_tension(m.tension),
-        shell_slip=m.shell_slip.copy(),
-        self_slip=m.self_slip.copy(),
+        contact_force=m.contact_force.copy(),
+        **{name: getattr(m, name).copy() for name in (*PRESSURES, *GATHERED)},
         change=float(m.change[0]),
     )

@@ -18,7 +18,7 @@ from cloth.mesh import Mesh
 from cloth.model import ClothModel
 from cloth.problem import Solution, StepProblem, constant_force
 from cloth.shell.shell import NO_SHELL, Shell
-from cloth.state import ClothState, Memory, state_of
+from cloth.state import ClothState, Memory, state_of, untouched
 from cloth.viscous import free_strain
 
 SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
@@ -210,9 +210,10 @@ class Cloth:
         self._kin = None
 
     def halt(self) -> None:
-        """Bring the committed state to rest where it is: no velocity, no history, no wear yet."""
+        """Bring the committed state to rest where it is: no velocity, no history, no rub yet."""
         m = self._memory
-        m.shell_slip, m.self_slip = np.zeros_like(m.shell_slip), np.zeros_like(m.self_slip)
+        for name, nothing in untouched(len(m.position)).items():
+            setattr(m, name, nothing)
         still = np.zeros_like(m.velocity)
         m.velocity, m.previous_velocity = still, still
         m.previous_position, m.previous_dt = m.position, np.zeros(1)

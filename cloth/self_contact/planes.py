@@ -39,6 +39,7 @@ class Planes:
         z: Array,
         u: Array,
         rub: Array,
+        pressing: Array,
         rhs: Array,
     ) -> None:
         """Do ``plane_step`` with these planes, and nothing where there are none.
@@ -59,13 +60,15 @@ class Planes:
             Place and scaled dual (n, 3) [m] that the shell's contact left; both are changed.
         rub
             Becomes the friction that each node exerts (n, 3) [N].
+        pressing
+            Becomes what presses on each node (n, 2) [N]: the shell, and the sheet itself.
         rhs
             Forces (n, 3) [N], to which the change is added.
         """
         if len(self.nodes):
             plane_step(
                 self.nodes, self.weights, self.normal, self.rest, inverse_mass, profile, weight,
-                SWEEPS, friction, start, z, u, rub, rhs,
+                SWEEPS, friction, start, z, u, rub, pressing, rhs,
             )  # fmt: skip
 
     def joined(self, former: Planes) -> Planes:
@@ -94,9 +97,10 @@ def project_planes(
     z: Array,
     beyond: Array,
     rub: Array,
+    pushed: Array,
 ) -> None:
     """See ``cloth.self_contact.reference.project_planes``."""
-    pushed, held = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
+    held = np.zeros((len(nodes), 3))
     slip, first, most = np.zeros(3), 0.0, 0.0
     for sweep in range(sweeps):
         most = 0.0
@@ -188,10 +192,11 @@ def plane_step(
     z: Array,
     u: Array,
     rub: Array,
+    pressing: Array,
     rhs: Array,
 ) -> None:
     """See ``cloth.self_contact.reference.plane_step``."""
-    before, beyond = z.copy(), np.zeros_like(z)
+    before, beyond, pushed = z.copy(), np.zeros_like(z), np.zeros(len(nodes))
     rub[:] = 0.0
     for i in range(len(z)):
         outward_part(profile, z[i], u[i], beyond[i])
@@ -208,7 +213,20 @@ def plane_step(
         z,
         beyond,
         rub,
+        pushed,
     )
+    for i in range(len(z)):
+        square = beyond[i, 0] ** 2 + beyond[i, 1] ** 2 + beyond[i, 2] ** 2
+        pressing[i, 0], pressing[i, 1] = weight[i] * math.sqrt(square), 0.0
+    for k in range(len(nodes)):
+        stiffness, total = 0.0, 0.0
+        for i in range(4):
+            j, w = nodes[k, i], weights[k, i]
+            stiffness = max(stiffness, weight[j] * inverse_mass[j])
+            total += inverse_mass[j] * w * w
+        for i in range(4):
+            if total > 0.0:
+                pressing[nodes[k, i], 1] += stiffness * abs(weights[k, i]) * pushed[k] / total
     for i in range(len(z)):
         for d in range(3):
             rub[i, d] *= -weight[i]

@@ -144,6 +144,7 @@ def project_planes(
     z: Array,
     beyond: Array,
     rub: Array,
+    pushed: Array,
 ) -> None:
     """Project ``z`` (n, 3) [m] on the half-spaces and on the ball of ``radius`` [m].
 
@@ -155,9 +156,10 @@ def project_planes(
     after ``sweeps``, or one whose largest push is below ``PRECISION`` of the first.
     With ``friction`` mu a plane that pushes by p also takes back what its sides slid on each other
     since ``start`` (n, 3) [m], along the plane, but at most mu p. ``rub`` (n, 3) [m] takes that
-    change. ``beyond`` is what the ball has taken of z so far, and is changed.
+    change. ``beyond`` is what the ball has taken of z so far, and is changed. ``pushed`` (k,) [m]
+    is 0 at first.
     """
-    pushed, held = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
+    held = np.zeros((len(nodes), 3))
 
     def move(i: Ints, share: Array, way: Array) -> None:
         moved = share != 0.0
@@ -208,15 +210,20 @@ def plane_step(
     z: Array,
     u: Array,
     rub: Array,
+    pressing: Array,
     rhs: Array,
 ) -> None:
     """Continue ``cloth.node_reference.contact_step`` with its ball cut by the planes.
 
     With y = z + u as that step left them, z becomes the projection also on the planes, u = y - z,
     and ``rhs`` (n, 3) [N] takes the change of weight (z - u). Nodes of ``weight`` 0 stay out.
-    ``rub`` (n, 3) [N] becomes the friction that each node exerts.
+    ``rub`` (n, 3) [N] becomes the friction that each node exerts, and ``pressing`` (n, 2) [N] the
+    force with which the shell presses on each node, and the sum of those of the planes. Plane k
+    presses with w_c/m p_k over sum_j w_j^2 / m_j, w_c/m the penalty over the mass, the same of all
+    nodes that have one; each of its nodes has the share |w_i| of that.
     """
     before = z.copy()
+    pushed = np.zeros(len(nodes))
     rub[:] = 0.0
     outward = np.maximum(np.einsum("id,id->i", u, z), 0.0)
     beyond = outward[:, None] / np.maximum(np.einsum("id,id->i", z, z), 1e-60)[:, None] * z
@@ -233,7 +240,12 @@ def plane_step(
         z,
         beyond,
         rub,
+        pushed,
     )
+    pressing[:, 0], pressing[:, 1] = weight * np.linalg.norm(beyond, axis=1), 0.0
+    total = np.einsum("ki,ki->k", inverse_mass[nodes], weights**2)
+    force = (weight * inverse_mass)[nodes].max(axis=1) * pushed / np.maximum(total, 1e-300)
+    np.add.at(pressing[:, 1], nodes, np.abs(weights) * force[:, None])
     rub *= -weight[:, None]
     change = np.where(weight[:, None] > 0.0, z - before, 0.0)
     u -= change

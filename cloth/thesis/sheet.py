@@ -14,7 +14,7 @@ from cloth.load import Load
 from cloth.material import Diaphragm
 from cloth.mesh import rest_gradients
 from cloth.shell.sphere import Sphere
-from cloth.state import ClothState
+from cloth.state import PRESSURES, ClothState, untouched
 from cloth.thesis.constants import Constants, constants
 from cloth.thesis.grid import ThesisGrid
 from cloth.thesis.kernels import advance
@@ -186,8 +186,8 @@ class ThesisSheet:
         """The committed state; ``change`` is the mean length error of a pair that is left [m].
 
         The strain is that of the triangles, in whatever direction it is largest; the thesis'
-        own, along the pairs, is smaller. Tension and slips are 0: it knows none. The volume counts
-        to the equator.
+        own, along the pairs, is smaller. Tension, contact and slips are 0: it knows none. The
+        volume counts to the equator.
         """
         m = self._memory
         return ClothState(
@@ -197,8 +197,9 @@ class ThesisSheet:
             volume=float(m["volume"][0]),
             strain=m["strain"].copy(),
             tension=np.zeros_like(m["strain"]),
-            shell_slip=np.zeros(len(self.mass)),
-            self_slip=np.zeros(len(self.mass)),
+            contact_force=np.zeros_like(m["position"]),
+            **{name: np.zeros(len(self.mass)) for name in PRESSURES},
+            **untouched(len(self.mass)),
             change=float(m["change"][0]),
         )
 

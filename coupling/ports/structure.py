@@ -119,12 +119,36 @@ class DiaphragmState(StructureState, Protocol):
         """Largest principal tension of every triangle (m,) [N/m]."""
 
     @property
+    def contact_force(self) -> Array:
+        """What the nodes exert on the shell and on other parts of the sheet (n, 3) [N]."""
+
+    @property
+    def shell_pressure(self) -> Array:
+        """Pressure on the shell, per moulded area (n,) [Pa]."""
+
+    @property
+    def self_pressure(self) -> Array:
+        """Pressure on other parts of the sheet, per moulded area (n,) [Pa]."""
+
+    @property
     def shell_slip(self) -> Array:
         """Way that every node has slid on the shell so far (n,) [m]."""
 
     @property
     def self_slip(self) -> Array:
         """Way that every node has slid on another part of the sheet so far (n,) [m]."""
+
+    @property
+    def shell_work(self) -> Array:
+        """Int of the pressure on the shell over that way, so far (n,) [J/m^2]."""
+
+    @property
+    def self_work(self) -> Array:
+        """The same of the pressure on another part of the sheet (n,) [J/m^2]."""
+
+    @property
+    def rub_place(self) -> Array:
+        """Where on the shell, the mean weighted by that work; 0 without any (n, 3) [m]."""
 
 
 class Structure(Protocol):

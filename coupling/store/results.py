@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
+import numpy as np
 
 from coupling.ports import Array, Ints
 from coupling.store import results_layout as layout
@@ -28,7 +29,9 @@ class Results:
     ``time`` (T,); ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``,
     ``moment`` (T, 3); ``reference`` (n, 3), ``triangles`` (m, 3); ``position`` (T, n, 3);
     ``pressure``, ``dynamic_pressure`` (T, n); ``strain``, ``tension`` (T, m);
-    ``shell_slip``, ``self_slip`` (T, n); ``volume``, ``datum_pressure``,
+    ``velocity``, ``contact_force``, ``rub_place`` (T, n, 3); ``shell_pressure``,
+    ``self_pressure``, ``shell_slip``, ``self_slip``, ``shell_work``, ``self_work`` (T, n), as
+    ``cloth.state.ClothState`` has them; ``volume``, ``datum_pressure``,
     ``iterations``, ``residual`` (T,); ``metrics`` by name, (T,) each, in ``metric_units``.
     ``every_step``: what the file keeps of every step, None in files of older versions.
     """
@@ -46,8 +49,15 @@ class Results:
     dynamic_pressure: Array
     strain: Array
     tension: Array
+    velocity: Array
+    contact_force: Array
+    shell_pressure: Array
+    self_pressure: Array
     shell_slip: Array
     self_slip: Array
+    shell_work: Array
+    self_work: Array
+    rub_place: Array
     volume: Array
     datum_pressure: Array
     liquid_cg: Array
@@ -130,9 +140,21 @@ def _results(file: Any, taken: Callable[[str, Any], Any]) -> Results:
         reference=file["diaphragm/reference"][()],
         metrics={name: metrics[name][()] for name in metrics},
         metric_units={name: str(metrics[name].attrs["unit"]) for name in metrics},
-        **{name: taken(name, file[dataset]) for dataset, (name, _) in layout.FIELDS.items()},
+        **{
+            name: taken(name, file[dataset])
+            if name not in layout.LATER or dataset in file
+            else _unknown(file, name)
+            for dataset, (name, _) in layout.FIELDS.items()
+        },
         every_step=_steps(file[layout.STEPS]) if layout.STEPS in file else None,
     )
+
+
+def _unknown(file: Any, name: str) -> Any:
+    """What a file of an older version does not hold: NaN at every instant and node."""
+    instants, nodes, axes = file["diaphragm/position"].shape
+    shape = (instants, nodes, axes) if "axis" in layout.dims_of(name) else (instants, nodes)
+    return np.full(shape, np.nan)
 
 
 def _steps(group: Any) -> StepSeries:

@@ -24,8 +24,15 @@ FIELDS = {
     "diaphragm/dynamic_pressure": ("dynamic_pressure", "Pa"),
     "diaphragm/strain": ("strain", "-"),
     "diaphragm/tension": ("tension", "N/m"),
+    "diaphragm/velocity": ("velocity", "m/s"),
+    "diaphragm/contact_force": ("contact_force", "N"),
+    "diaphragm/shell_pressure": ("shell_pressure", "Pa"),
+    "diaphragm/self_pressure": ("self_pressure", "Pa"),
     "diaphragm/shell_slip": ("shell_slip", "m"),
     "diaphragm/self_slip": ("self_slip", "m"),
+    "diaphragm/shell_work": ("shell_work", "J/m^2"),
+    "diaphragm/self_work": ("self_work", "J/m^2"),
+    "diaphragm/rub_place": ("rub_place", "m"),
     "liquid/volume": ("volume", "m^3"),
     "liquid/datum_pressure": ("datum_pressure", "Pa"),
     "liquid/cg": ("liquid_cg", "m"),
@@ -35,8 +42,20 @@ FIELDS = {
     "coupling/residual": ("residual", "-"),
 }
 _DIMS: dict[str, tuple[str, ...]] = {
-    "position": ("node", "axis"),
-    **dict.fromkeys(("pressure", "dynamic_pressure", "shell_slip", "self_slip"), ("node",)),
+    **dict.fromkeys(("position", "velocity", "contact_force", "rub_place"), ("node", "axis")),
+    **dict.fromkeys(
+        (
+            "pressure",
+            "dynamic_pressure",
+            "shell_pressure",
+            "self_pressure",
+            "shell_slip",
+            "self_slip",
+            "shell_work",
+            "self_work",
+        ),
+        ("node",),
+    ),
     **dict.fromkeys(("strain", "tension"), ("triangle",)),
     **dict.fromkeys(
         ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment"), ("axis",)
@@ -49,6 +68,18 @@ STEP_FIELDS = {
     for dataset, (name, unit) in FIELDS.items()
     if _OVER_SURFACE.isdisjoint(_DIMS.get(name, ()))
 }
+# Not in files of older versions: NaN there.
+LATER = frozenset(
+    {
+        "velocity",
+        "contact_force",
+        "shell_pressure",
+        "self_pressure",
+        "shell_work",
+        "self_work",
+        "rub_place",
+    }
+)
 # fmt: off
 METRIC_UNITS = {
     "speed_max": "m/s",

@@ -48,8 +48,10 @@ class Sample(StepSample):
     """The same with what is over nodes and triangles: an instant that is written out.
 
     ``position`` (n, 3) [m]; ``pressure`` and ``dynamic_pressure`` (n,) [Pa], net pressure and p*
-    with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``shell_slip`` and
-    ``self_slip`` (n,) [m].
+    with its mean removed; ``strain`` and ``tension`` (m,) [-, N/m]; ``velocity`` (n, 3) [m/s] in
+    the tank; ``contact_force`` (n, 3) [N] that the sheet exerts; pressures (n,) [Pa], slips (n,)
+    [m], works (n,) [J/m^2] and ``rub_place`` (n, 3) [m] of the contact with the shell and with
+    itself, as ``cloth.state.ClothState`` has them.
     """
 
     position: Array
@@ -57,8 +59,15 @@ class Sample(StepSample):
     dynamic_pressure: Array
     strain: Array
     tension: Array
+    velocity: Array
+    contact_force: Array
+    shell_pressure: Array
+    self_pressure: Array
     shell_slip: Array
     self_slip: Array
+    shell_work: Array
+    self_work: Array
+    rub_place: Array
 
     def at_step(self) -> StepSample:
         """Return the same without what is over nodes and triangles."""

@@ -18,12 +18,16 @@ import numpy as np
 
 from coupling.ports import Array
 
-_AT_NODES = ("pressure", "dynamic_pressure", "shell_slip", "self_slip")
+_VECTORS = ("velocity", "contact_force")
+_AT_NODES = (
+    "pressure", "dynamic_pressure", "shell_pressure", "self_pressure", "shell_slip", "self_slip",
+    "shell_work", "self_work",
+)  # fmt: skip
 _AT_TRIANGLES = ("strain", "tension")
 _END = "</Grid>\n</Domain>\n</Xdmf>\n"
 _ROW = re.compile(rb"/instants/(\d+)/")
 _LONGEST = 16384  # bytes at the end of a document that hold an instant whole; one takes 2 kB
-_VIEWS = ("position", *_AT_NODES, *_AT_TRIANGLES)
+_VIEWS = ("position", *_VECTORS, *_AT_NODES, *_AT_TRIANGLES)
 
 
 def link_instants(file: Any, start: int, stop: int) -> None:
@@ -99,7 +103,10 @@ def _instant(view: str, data_file: str, time: float, nodes: int, triangles: int)
         f'<Topology TopologyType="Triangle" NumberOfElements="{triangles}">'
         f"{_item(f'{data_file}:/diaphragm/triangles', f'{triangles} 3', 'Int')}</Topology>\n"
         f'<Geometry GeometryType="XYZ">{_item(f"{view}/position", f"{nodes} 3")}</Geometry>\n'
-        + _attribute("position", "Vector", "Node", _item(f"{view}/position", f"{nodes} 3"))
+        + "".join(
+            _attribute(name, "Vector", "Node", _item(f"{view}/{name}", f"{nodes} 3"))
+            for name in ("position", *_VECTORS)
+        )
         + "".join(
             _attribute(name, "Scalar", "Node", _item(f"{view}/{name}", f"{nodes}"))
             for name in _AT_NODES

@@ -400,19 +400,20 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
     answers = []
     for module, shape in ((reference, shell.radius), (contact_planes, shell.profile)):
         z, u, rhs = start.copy(), np.zeros_like(start), np.zeros_like(start)
-        rub = np.ones_like(start)
+        rub, pressing = np.ones_like(start), np.ones((len(start), 2))
         module.plane_step(
             planes.nodes, planes.weights, planes.normal, planes.rest,
-            inverse, shape, weight, contact_planes.SWEEPS, friction, before, z, u, rub, rhs,
+            inverse, shape, weight, contact_planes.SWEEPS, friction, before, z, u, rub,
+            pressing, rhs,
         )  # fmt: skip
-        answers.append((z, u, rhs, rub))
+        answers.append((z, u, rhs, rub, pressing))
     for wanted, got in zip(*answers, strict=True):
         np.testing.assert_allclose(got, wanted, atol=1e-14)
     assert np.any(answers[1][3]) == (friction > 0.0)
     z = answers[1][0].copy()
     for _ in range(30):
-        none = np.zeros((3, *z.shape))
-        planes.step(inverse, shell.profile, weight, friction, before, z, *none)
+        u, rub, rhs = np.zeros((3, *z.shape))
+        planes.step(inverse, shell.profile, weight, friction, before, z, u, rub, pressing, rhs)
     gap = np.einsum("ki,kid,kd->k", planes.weights, z[planes.nodes], planes.normal)
     assert np.min(gap - planes.rest) >= -1e-5
 
@@ -461,7 +462,7 @@ def test_planes_project_on_the_nearest_point_of_all_of_them(radius: float):
     u, rhs, rub = wanted - z, np.zeros_like(z), np.zeros_like(z)
     pushed = (planes.rest - flat @ z.ravel()).max()
     shell = Sphere(radius) if np.isfinite(radius) else NO_SHELL
-    planes.step(1.0 / mass, shell.profile, 3.0 * mass, 0.0, z, z, u, rub, rhs)
+    planes.step(1.0 / mass, shell.profile, 3.0 * mass, 0.0, z, z, u, rub, np.zeros((nodes, 2)), rhs)
     assert pushed > 0.1
     np.testing.assert_allclose(z.ravel(), exact.x, atol=20.0 * contact_planes.PRECISION * pushed)
     np.testing.assert_allclose(z + u, wanted, atol=1e-14)

@@ -19,6 +19,7 @@ RADIUS, FREQUENCY, AMPLITUDE, DENSITY, GRAVITY = 0.4, 1.25, 0.1, 1000.0, 9.81
 OMEGA = 2.0 * np.pi * FREQUENCY
 LAG = np.radians(30.0)
 CG_AMPLITUDE, FORCE_AMPLITUDE, MASS = 0.02, 150.0, 200.0
+PRESSURE = 800.0  # of the contact with the shell [Pa]
 
 
 def disc(rings: int = 8) -> tuple[Array, Ints]:
@@ -61,8 +62,15 @@ def sample(time: float, reference: Array, triangles: Ints) -> Sample:
         dynamic_pressure=dynamic - dynamic.mean(),
         strain=np.full(len(triangles), 0.002),
         tension=np.full(len(triangles), 300.0),
+        velocity=np.zeros_like(reference),
+        contact_force=np.zeros_like(reference),
+        shell_pressure=np.full(len(reference), PRESSURE),
+        self_pressure=np.zeros(len(reference)),
         shell_slip=np.full(len(reference), 0.01 * time),
         self_slip=np.zeros(len(reference)),
+        shell_work=np.full(len(reference), PRESSURE * 0.01 * time),
+        self_work=np.zeros(len(reference)),
+        rub_place=reference,
         volume=0.2,
         datum_pressure=500.0,
         liquid_cg=np.array([CG_AMPLITUDE * np.sin(OMEGA * time - LAG), 0.0, -0.1]),

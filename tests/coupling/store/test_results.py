@@ -279,7 +279,7 @@ def fill(folder: Path, limit: int) -> str:
 
 
 def test_a_file_that_may_not_grow_keeps_what_was_written(tmp_path: Path) -> None:
-    said = fill(tmp_path, 800_000)
+    said = fill(tmp_path, 2_000_000)
     assert int(said.split()[0]) > 3
     assert "disk is full" in said
     check_xdmf(tmp_path)
@@ -291,7 +291,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     place = tmp_path / "disk"
     place.mkdir()
     made = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", str(place)], check=False
+        ["mount", "-t", "tmpfs", "-o", "size=6m", "tmpfs", str(place)], check=False
     )
     if made.returncode:
         pytest.skip("mounting a small disk needs root; the limit on the file's size stands in")
