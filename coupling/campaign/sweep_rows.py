@@ -64,6 +64,7 @@ def _model_row(summary: Mapping[str, Any]) -> dict[str, Any]:
         "cg": summary.get("cg"),
         "force": summary.get("force"),
         "bernoulli": summary.get("bernoulli"),
+        "rubs": summary.get("rubs"),
         "fitted_periods": summary.get("fitted_periods"),
     }
 
@@ -103,4 +104,19 @@ def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
         moved = (figures["cg"] or {}).get("amplitude_m") or [None] * 3
         line |= {f"{model}.cg_{axis}_m": value for axis, value in zip("xyz", moved, strict=True)}
         line |= {f"{model}.{name}": value for name, value in (figures["bernoulli"] or {}).items()}
+        line |= {f"{model}.{name}": value for name, value in _rubs(figures.get("rubs")).items()}
     return line
+
+
+def _rubs(rubs: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The figures of a summary's ``rubs`` one by one, those of a pair by what they are."""
+    flat: dict[str, Any] = {}
+    for name, value in (rubs or {}).items():
+        angles = name.endswith("_deg")
+        pair = ("polar", "azimuth") if angles else ("least", "largest")
+        if angles or name.endswith("wear_max_m"):
+            both = value or (None, None)
+            flat |= {f"{name}.{part}": one for part, one in zip(pair, both, strict=True)}
+        else:
+            flat[name] = value
+    return flat

@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from coupling.cli.rubber_rows import rubber_rows
 from coupling.estimate.cost import run_memory, run_time
 from coupling.estimate.model_errors import Choice, estimates
 from coupling.estimate.numbers import Numbers
@@ -84,6 +85,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("... by fold_damping, a regularisation [J]", period.get("bending_damping_J")),
         ("... by slack_drag, a regularisation [J]", period.get("drag_J")),
         ("... by impacts and the time step [J]", period.get("rest_J")),
+        *rubber_rows(summary),
         ("wall time [s]", summary.get("wall_s")),
         ("results", str(folder)),
     ]

@@ -14,7 +14,7 @@ from coupling.metrics.harmonic import Harmonic
 from coupling.metrics.impacts import impacts
 from coupling.metrics.mesh_fit import mesh_fit
 from coupling.metrics.response import cg_summary, force_summary, harmonics, moment_summary
-from coupling.metrics.rubs import rub
+from coupling.metrics.rubs import rub_summary
 from coupling.metrics.strains import quantile
 from coupling.metrics.viscosity import layer_resolution
 from coupling.scene.scene import Scene
@@ -22,6 +22,9 @@ from coupling.store.atomic import plain
 from coupling.store.results import Results
 from coupling.store.run_record import RunStatistics
 from coupling.store.step_series import StepSeries
+
+# Kept under this name for programs that read it; ``rubs`` has all.
+_RUBBING = ("shell_slip_max_m", "shell_slip_mean_m", "shell_slip_place_deg", "self_slip_max_m")
 
 
 def summarise(
@@ -43,10 +46,11 @@ def summarise(
     ``strain_tensile_p99`` is what strain stays below in 99 % of area and time.
     ``dynamic_in_band``: rms of p* at up to four times the frequency, over that of the hydrostatic
     pressure, in the fitted periods. ``impacts``: impulses of the force, null for a motion without a
-    frequency. ``rubbing`` is what had gathered at the end, null where nothing slid. What cannot be
-    said at all is null.
+    frequency. ``rubs`` is what had gathered at the end (``rub_summary``), ``rubbing`` its former
+    part. What cannot be said at all is null.
     """
     series, strength = results.steps, scene.diaphragm.strength
+    rubs = rub_summary(results, scene.diaphragm.wear_coefficient)
     fits = harmonics(series, scene)
     periods = fits["cg"].periods if fits else 0
     content: dict[str, Any] = {
@@ -65,7 +69,8 @@ def summarise(
         "stress_max_Pa": statistics.stress_max,
         "would_burst": None if strength is None else stress_estimate(scene) > strength,
         "strength_verdict": strength_verdict(scene, statistics.stress_max),
-        "rubbing": _rubbing(results),
+        "rubs": rubs,
+        "rubbing": {name: rubs[name] for name in _RUBBING},
         "settle_residual": statistics.settle_residual,
         "halved_steps": statistics.halved_steps,
         "volume_error_max": statistics.volume_error_max,
@@ -102,19 +107,6 @@ def _cloth(statistics: RunStatistics, scene: Scene) -> dict[str, Any]:
         "iterations_max": statistics.cloth_iterations_max,
         "unconverged_steps": statistics.cloth_unconverged,
         "inextensibility_error": None,  # a study tells, by doubling the stiffness
-    }
-
-
-def _rubbing(results: Results) -> dict[str, Any]:
-    shell = itself = None
-    if len(results.time):
-        shell = rub(results.shell_slip[-1], results.reference, results.triangles)
-        itself = rub(results.self_slip[-1], results.reference, results.triangles)
-    return {
-        "shell_slip_max_m": shell and shell.largest,
-        "shell_slip_mean_m": shell and shell.mean,
-        "shell_slip_place_deg": shell and shell.place,
-        "self_slip_max_m": itself and itself.largest,
     }
 
 

@@ -24,7 +24,7 @@ from coupling.report.figures import (
 from coupling.report.files import RunFiles
 from coupling.report.instants import sections, views
 from coupling.report.page import Page, Picture, Section, number
-from coupling.report.rub_maps import rub_maps
+from coupling.report.rub_section import rub_section
 from coupling.report.run_tables import (
     cost_table,
     motion_table,
@@ -76,7 +76,9 @@ def _sections(run: RunFiles) -> list[Section]:
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
         )
     if len(run.results.time) and run.scene.cloth.grid != "thesis":  # which knows no tension
-        sections.append(_rubber(run))
+        rubs = rub_section(run)
+        first = run.scene.report.lead == "rubs"
+        sections = [rubs, *sections, _rubber(run)] if first else [*sections, _rubber(run), rubs]
     return [
         *sections,
         quality_section(run),
@@ -134,13 +136,7 @@ def _motion(run: RunFiles) -> Section:
 
 
 def _rubber(run: RunFiles) -> Section:
-    maps = rub_maps(run)
-    return Section(
-        title="How hard the rubber is pulled, and where it rubs",
-        tables=[rubber_table(run)],
-        pictures=maps,
-        columns=max(1, len(maps)),
-    )
+    return Section(title="How hard the rubber is pulled", tables=[rubber_table(run)])
 
 
 def quality_section(run: RunFiles) -> Section:

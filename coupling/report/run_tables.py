@@ -185,7 +185,7 @@ def _mesh_rows(fit: Mapping[str, float] | None) -> list[list[str]]:
 
 
 def rubber_table(run: RunFiles) -> Table:
-    """Return a table of how hard the rubber was pulled, and how far it slid."""
+    """Return a table of how hard the rubber was pulled."""
     summary, strength = run.summary, run.scene.diaphragm.strength
     stress = summary.get("stress_max_Pa")
     rows = [
@@ -197,27 +197,9 @@ def rubber_table(run: RunFiles) -> Table:
     verdict = strength_verdict(run.scene, stress)
     if verdict is not None:
         rows.append(["Would it hold?", verdict])
-    if "rubbing" in summary:
-        rows += _slips(summary["rubbing"])
     return Table(
         head=["Rubber", ""],
         rows=rows,
-        note="Tension and stress are the largest of all steps and triangles. Slip is the way that "
-        "a point slides while it is pressed on, gathered over the run. All of them depend on "
-        "the step and on the diaphragm’s iterations: compare runs that share both.",
+        note="Tension and stress are the largest of all steps and triangles. They depend on the "
+        "step and on the diaphragm’s iterations: compare runs that share both.",
     )
-
-
-def _slips(rubbing: dict[str, Any]) -> list[list[str]]:
-    rows = [["Largest slip on the shell", _slip(rubbing["shell_slip_max_m"])]]
-    if rubbing["shell_slip_place_deg"] is not None:
-        polar, azimuth = (round(angle) % 360 for angle in rubbing["shell_slip_place_deg"])
-        rows += [
-            ["… from the moulded pole, azimuth", f"{polar}°, {azimuth}°"],
-            ["Mean slip on the shell", _slip(rubbing["shell_slip_mean_m"])],
-        ]
-    return [*rows, ["Largest slip on itself", _slip(rubbing["self_slip_max_m"])]]
-
-
-def _slip(value: float | None) -> str:
-    return "none" if value is None else number(1e3 * value, "mm")

@@ -21,7 +21,7 @@ from coupling.scene.source import SCENE_FILE, read_toml
 FREE_KEYS = frozenset(
     {
         "title", "time.output_every", "time.checkpoint_every", "openfoam.keep_alive",
-        "openfoam.timeout", "openfoam.write_fields",
+        "openfoam.timeout", "openfoam.write_fields", "report.lead", "diaphragm.wear_coefficient",
     }
 )  # fmt: skip
 DURATION = "time.duration"

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from cloth.material import ELASTOMERS
 from cloth.material import Diaphragm as Sheet
-from coupling.scene.sections import Section
+from coupling.scene.sections import LARGEST, LEAST, Section
 from coupling.scene.tables.text import TableError
 from coupling.scene.thickness_map import ThicknessMap, read_thickness_map
 
@@ -63,6 +63,26 @@ def _mean_of_map(given: dict[str, Any]) -> float:
         if not problems:
             return mean
     raise PydanticCustomError("cross_check", "{problems}", {"problems": "\n".join(problems)})
+
+
+def _wear_range(value: Any) -> Any:
+    """``value`` as a tuple. Raises ``PydanticCustomError`` for what is no range of coefficients."""
+    listed = list(value) if isinstance(value, list | tuple) else []
+    pair = len(listed) == 2 and all(_is_positive(one) for one in listed)
+    if value is None or (pair and listed[0] <= listed[1]):
+        return tuple(map(float, listed)) or None
+    problem = (
+        f"diaphragm.wear_coefficient: must be two numbers from {LEAST:g} to {LARGEST:g}, the "
+        f"lesser first, got {str(value)[:60]}. "
+        "Give the range of the depth worn off over the slip work per area [m^2/N], as measured "
+        "for this rubber on this wall; rigs differ by factors."
+    )
+    raise PydanticCustomError("cross_check", "{problems}", {"problems": problem})
+
+
+def _is_positive(value: Any) -> bool:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and LEAST <= value <= LARGEST
 
 
 class Diaphragm(Section):
@@ -121,6 +141,11 @@ class Diaphragm(Section):
     )
     friction_self: float = Field(
         default=0.0, ge=0, le=5, description="Coulomb coefficient of friction on itself"
+    )
+    wear_coefficient: Annotated[tuple[float, float] | None, BeforeValidator(_wear_range)] = Field(
+        default=None,
+        description="depth worn off over the slip work per area [m^2/N], the least and the "
+        "largest that are thought possible",
     )
     held: bool = Field(
         default=False, description="value true to hold the settled shape (rigid-body limit)"

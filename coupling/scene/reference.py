@@ -18,7 +18,7 @@ from coupling.scene.scene import Scene
 _UNIT = re.compile(r" \[([^\]]+)\]")
 _KINDS = {
     float: "number", int: "whole number", bool: "true or false", str: "text",
-    tuple[float, float, float]: "three numbers",
+    tuple[float, float, float]: "three numbers", tuple[float, float]: "two numbers",
 }  # fmt: skip
 _BOUNDS = {
     annotated_types.Gt: ("gt", "> {}"),

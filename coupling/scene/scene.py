@@ -22,6 +22,7 @@ from coupling.scene.diaphragm import Diaphragm
 from coupling.scene.errors import SceneError, problems_of
 from coupling.scene.numerics import Cloth, Coupling, OpenFoam, Potential, Time
 from coupling.scene.periods import in_seconds
+from coupling.scene.report import Report
 from coupling.scene.sections import Liquid, Model, Motion, Section, Vector
 from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
 from coupling.scene.tank import Tank
@@ -60,6 +61,7 @@ class Scene(Section):
     openfoam: OpenFoam = OpenFoam()
     coupling: Coupling = Coupling()
     time: Time
+    report: Report = Report()
 
     @property
     def liquid_volume(self) -> float:

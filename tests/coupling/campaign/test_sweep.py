@@ -89,6 +89,12 @@ def test_rows_files_and_a_restart_that_repeats_nothing(path: Path, tmp_path: Pat
         (_, second) = csv.DictReader(file)
     error = content["rows"][1]["models"]["hydrostatic"]["error"]["shape_rms"]
     assert float(second["hydrostatic.error.shape_rms"]) == error
+    rubs = content["rows"][1]["models"]["hydrostatic"]["rubs"]
+    polar, azimuth = rubs["shell_slip_place_deg"]
+    assert float(second["hydrostatic.shell_slip_max_m"]) == rubs["shell_slip_max_m"] > 0.0
+    assert float(second["hydrostatic.shell_slip_place_deg.polar"]) == polar
+    assert float(second["hydrostatic.shell_slip_place_deg.azimuth"]) == azimuth
+    assert second["hydrostatic.shell_wear_max_m.least"] == ""
     assert (folder / "report.html").is_file()
 
     before = written(folder)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import known_run as run
 import numpy as np
 import pytest
 
-from coupling.metrics.rubs import rub
+from coupling.metrics.rubs import rub, rub_summary
 from coupling.metrics.summary import summarise
 from coupling.store.results import read_results
 
@@ -90,3 +91,33 @@ def test_nothing_slid_and_nothing_computed_are_null(tmp_path: Path) -> None:
     names = {"shell_slip_max_m", "shell_slip_mean_m", "shell_slip_place_deg", "self_slip_max_m"}
     stated = summarise(still, run.statistics(), run.scene(), "completed", None)["rubbing"]
     assert stated == dict.fromkeys(names)
+
+
+def test_works_tell_their_place_on_the_shell_and_what_they_wear_off(tmp_path: Path) -> None:
+    """800 Pa over 24 mm; one node has rubbed twice as much, 60 degrees above the rim, at y."""
+    run.write_run(tmp_path)
+    results = read_results(tmp_path)
+    work, place = results.shell_work.copy(), results.rub_place.copy()
+    work[-1, 7] *= 2.0
+    place[-1, 7] = run.RADIUS * np.array([0.0, 0.5, np.sqrt(0.75)])
+    found = rub_summary(replace(results, shell_work=work, rub_place=place), (1e-9, 4e-9))
+    most = 2.0 * run.PRESSURE * 0.024
+    assert found["shell_work_max_J_per_m2"] == pytest.approx(most)
+    assert found["shell_rubbing_pressure_Pa"] == pytest.approx(2.0 * run.PRESSURE)
+    assert found["shell_work_on_shell_deg"] == pytest.approx([150.0, 90.0])
+    assert found["shell_work_place_deg"] != found["shell_slip_place_deg"]
+    assert found["shell_wear_max_m"] == pytest.approx([1e-9 * most, 4e-9 * most])
+    assert {value for name, value in found.items() if name.startswith("self")} == {None}
+
+
+def test_works_that_an_older_file_does_not_hold_are_null(tmp_path: Path) -> None:
+    run.write_run(tmp_path)
+    with h5py.File(tmp_path / "results.h5", "a") as file:
+        for dataset in ("shell_work", "self_work", "rub_place", "velocity"):
+            del file[f"diaphragm/{dataset}"]
+    results = read_results(tmp_path)
+    assert np.isnan(results.velocity).all()
+    assert results.velocity.shape == results.position.shape
+    found = rub_summary(results, (1e-9, 4e-9))
+    assert found["shell_slip_max_m"] == pytest.approx(0.024)
+    assert found["shell_work_max_J_per_m2"] is found["shell_wear_max_m"] is None

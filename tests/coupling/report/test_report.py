@@ -25,9 +25,11 @@ from coupling.report.files import RunFiles, read_run
 from coupling.report.page import number, percent
 from coupling.report.picture import period_rows
 from coupling.report.rub_maps import rub_maps
+from coupling.report.rub_section import rub_table
 from coupling.report.run_report import run_page
 from coupling.report.run_tables import quality_table, rubber_table
 from coupling.report.section_cut import cut
+from coupling.scene.report import Report
 from coupling.scene.scene import Scene, scene_toml
 from coupling.store.atomic import write_json
 from coupling.store.results import read_results
@@ -104,8 +106,8 @@ def test_a_run_is_reported_with_its_verdict_and_figures(tmp_path: Path) -> None:
     )
     text, page = parsed(write_report(tmp_path))
     assert "it leaves out 20\u202f% of the liquid&#39;s momentum" in text
-    # instants, scale, pressures, motions, slip on the shell, quality
-    assert len(page.images) == 8 + 1 + 2 + 2 + 1 + 4
+    # instants, scale, pressures, motions, slip and work on the shell, on which part, quality
+    assert len(page.images) == 8 + 1 + 2 + 2 + 3 + 4
     assert "−30.0" in text  # the lag of the CG
     assert "Known run" in text
 
@@ -238,12 +240,15 @@ def rubbed(folder: Path, *, on_shell: Array | float, on_itself: Array | float) -
     slid = np.zeros_like(files.results.shell_slip)
     shell, itself = slid.copy(), slid.copy()
     shell[-1], itself[-1] = on_shell, on_itself
-    results = replace(files.results, shell_slip=shell, self_slip=itself)
+    results = replace(
+        files.results, shell_slip=shell, self_slip=itself, shell_work=1e3 * shell,
+        self_work=1e4 * itself,
+    )  # fmt: skip
     content = summarise(results, run.statistics(), files.scene, "completed", None)
     return replace(files, results=results, summary=content)
 
 
-def with_rubber(scene: Scene, **stated: float) -> Scene:
+def with_rubber(scene: Scene, **stated: object) -> Scene:
     return scene.model_copy(update={"diaphragm": scene.diaphragm.model_copy(update=stated)})
 
 
@@ -255,8 +260,9 @@ def test_what_has_not_slid_is_not_drawn(
     tmp_path: Path, on_shell: float, on_itself: float, stated: list[str]
 ) -> None:
     maps = rub_maps(rubbed(tmp_path, on_shell=on_shell, on_itself=on_itself))
-    named = [re.match(r"Where it rubs on (the )?(\w+):", item.caption) for item in maps]
-    assert [match and match[2] for match in named] == stated
+    named = [re.match(r"Where it rubs on (the )?(\w+): (\w+)", item.caption) for item in maps]
+    whats = [(match[2], match[3]) for match in named if match]
+    assert whats == [(name, what) for name in stated for what in ("way", "pressure")]
 
 
 def test_a_map_is_an_image_under_its_lines(tmp_path: Path) -> None:
@@ -274,9 +280,6 @@ def test_the_rubber_is_told_beside_its_strength(tmp_path: Path) -> None:
     rows = dict(rubber_table(files).rows)
     assert rows["Largest tension"] == "320\u202fN/m"
     assert rows["Largest stress"] == "0.2\u202fMPa"
-    assert rows["Largest slip on the shell"] == "12.3\u202fmm"
-    assert rows["… from the moulded pole, azimuth"] == "11°, 60°"
-    assert rows["Largest slip on itself"] == "2\u202fmm"
     assert "Strength of the rubber" not in rows
     strong = dict(
         rubber_table(replace(files, scene=with_rubber(files.scene, strength=11.4e6))).rows
@@ -284,10 +287,40 @@ def test_the_rubber_is_told_beside_its_strength(tmp_path: Path) -> None:
     assert strong["Strength of the rubber"] == "11.4\u202fMPa"
 
 
+def test_rubs_are_told_with_their_places_and_what_they_wear_off(tmp_path: Path) -> None:
+    slip = np.zeros(len(run.disc()[0]))
+    slip[2] = 0.0123  # as above; on the shell's lower half, where the known run's sheet lies
+    files = rubbed(tmp_path, on_shell=slip, on_itself=0.0)
+    rows = rub_table(files).rows
+    angles = ["… from the moulded pole, azimuth", "11°, 60°"]
+    assert rows == [
+        ["Largest slip on the shell", "12.3\u202fmm"],
+        angles,
+        ["Mean slip on the shell", number(1e3 * files.summary["rubs"]["shell_slip_mean_m"], "mm")],
+        ["Largest slip work on the shell", "12.3\u202fJ/m²"],
+        angles,
+        ["… from the shell’s lower pole, azimuth", "11°, 60°"],
+        ["… mean pressure there while sliding", "1000\u202fPa"],
+        ["Mean slip work on the shell", rows[7][1]],
+        ["Largest slip on itself", "none"],
+    ]
+    worn = with_rubber(files.scene, wear_coefficient=(1e-9, 4e-9))
+    content = summarise(files.results, run.statistics(), worn, "completed", None)
+    stated = dict(rub_table(replace(files, scene=worn, summary=content)).rows)
+    assert stated["Worn off at the most"] == "0.0123 to 0.0492\u202fµm"
+
+
+def test_rubs_come_first_where_the_scene_says_so(tmp_path: Path) -> None:
+    whole_run(tmp_path)
+    files = read_run(tmp_path)
+    first = files.scene.model_copy(update={"report": Report(lead="rubs")})
+    assert run_page(files).sections[0].title == "Diaphragm"
+    assert run_page(replace(files, scene=first)).sections[0].title == "Where the rubber rubs"
+
+
 def test_rubber_that_has_not_slid_is_said_to(tmp_path: Path) -> None:
-    rows = dict(rubber_table(rubbed(tmp_path, on_shell=0.0, on_itself=0.0)).rows)
-    assert rows["Largest slip on the shell"] == rows["Largest slip on itself"] == "none"
-    assert "Mean slip on the shell" not in rows
+    rows = rub_table(rubbed(tmp_path, on_shell=0.0, on_itself=0.0)).rows
+    assert rows == [["Largest slip on the shell", "none"], ["Largest slip on itself", "none"]]
 
 
 def test_halved_steps_are_told_only_where_there_are_any(tmp_path: Path) -> None:
@@ -312,4 +345,7 @@ def test_a_sheet_that_knows_no_tension_has_none_in_its_report(tmp_path: Path) ->
     cloth = files.scene.cloth.model_copy(update={"grid": "thesis"})
     thesis = replace(files, scene=files.scene.model_copy(update={"cloth": cloth}))
     stated = [[item.title for item in run_page(one).sections] for one in (files, thesis)]
-    assert set(stated[0]) - set(stated[1]) == {"How hard the rubber is pulled, and where it rubs"}
+    assert set(stated[0]) - set(stated[1]) == {
+        "How hard the rubber is pulled",
+        "Where the rubber rubs",
+    }

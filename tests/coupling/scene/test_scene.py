@@ -437,3 +437,21 @@ def test_a_duration_is_reached_in_whole_steps(duration: float, step: float, step
 def test_whole_periods_are_whole_steps(frequency: float, per_period: int):
     time = Time(duration=7 / frequency, step=1.0 / per_period / frequency)
     assert (time.steps, time.beyond) == (7 * per_period, "")
+
+
+@pytest.mark.parametrize(
+    "value", ["[1e-9]", "[2e-9, 1e-9]", "[0.0, 1e-9]", "[true, 1.0]", "1e-9", "[1e-9, inf]", '"k"']
+)
+def test_a_wear_coefficient_is_a_range(folder: Path, value: str) -> None:
+    with pytest.raises(SceneError, match=r"wear_coefficient: must be two numbers .* rigs differ"):
+        load_scene(folder, [f"diaphragm.wear_coefficient={value}"])
+
+
+def test_neither_wear_nor_the_report_change_what_is_computed(folder: Path) -> None:
+    changes = ["diaphragm.wear_coefficient=[1e-9, 4e-9]", 'report.lead="rubs"']
+    plain = load_scene(folder)
+    assert plain.diaphragm.wear_coefficient is None
+    changed = load_scene(folder, changes)
+    assert changed.diaphragm.wear_coefficient == (1e-9, 4e-9)
+    assert content_of(changed).digest() == content_of(plain).digest()
+    assert scene_from(tomllib.loads(scene_toml(changed))) == changed
