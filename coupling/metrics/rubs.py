@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from coupling.metrics.bernoulli import node_areas
+from coupling.metrics.places import degrees_of, mould_angles, shell_angles
 from coupling.ports import Array, Ints
 from coupling.store.results import Results
 
@@ -65,32 +66,8 @@ def rub(gathered: Array, reference: Array, triangles: Ints, least: float = LEAST
         largest=largest,
         mean=float(gathered @ area / area.sum()),
         node=node,
-        place=_degrees(*mould_angles(reference[node])),
+        place=degrees_of(*mould_angles(reference[node])),
     )
-
-
-def mould_angles(reference: Array) -> tuple[Array, Array]:
-    """Return the polar angle from the pole and the azimuth from x, each (...) [rad].
-
-    ``reference`` (..., 3) [m]: moulded points. The pole is that of the half space, upper or lower,
-    in which they lie.
-    """
-    x, y, z = np.moveaxis(reference, -1, 0)
-    return np.arctan2(np.hypot(x, y), np.abs(z)), np.arctan2(y, x)
-
-
-def shell_angles(place: Array) -> tuple[Array, Array]:
-    """Return the polar angle from the tank's lower pole and the azimuth from x, each (...) [rad].
-
-    ``place`` (..., 3) [m], as seen from the middle of the rim, which is at 90 degrees.
-    """
-    x, y, z = np.moveaxis(place, -1, 0)
-    return np.arctan2(np.hypot(x, y), -z), np.arctan2(y, x)
-
-
-def _degrees(polar: Array, azimuth: Array) -> tuple[float, float]:
-    # rounded first: -1e-15 modulo 360 is 360
-    return float(np.degrees(polar)), round(float(np.degrees(azimuth)), 9) % 360.0
 
 
 def rub_summary(results: Results, wear: tuple[float, float] | None) -> dict[str, Any]:
@@ -134,7 +111,7 @@ def _of_kind(results: Results, kind: str, wear: tuple[float, float] | None) -> d
     pressure = done.largest / float(slip[done.node])
     found |= dict(zip(_WORK, (done.largest, done.mean, done.place, pressure), strict=True))
     if on_shell:
-        found["work_on_shell_deg"] = _degrees(*shell_angles(results.rub_place[-1][done.node]))
+        found["work_on_shell_deg"] = degrees_of(*shell_angles(results.rub_place[-1][done.node]))
     if wear is not None:
         found["wear_max_m"] = [coefficient * done.largest for coefficient in wear]
     return found

@@ -9,6 +9,8 @@ import numpy as np
 from coupling.estimate.strength import strength_verdict, stress_estimate
 from coupling.metrics import bernoulli
 from coupling.metrics.energy import energy_summary
+from coupling.metrics.fold_figures import fold_summary
+from coupling.metrics.folds import FoldFinder
 from coupling.metrics.gravity_centre import neglected_momentum, neglected_momentum_transient
 from coupling.metrics.harmonic import Harmonic
 from coupling.metrics.impacts import impacts
@@ -69,6 +71,7 @@ def summarise(
         "stress_max_Pa": statistics.stress_max,
         "would_burst": None if strength is None else stress_estimate(scene) > strength,
         "strength_verdict": strength_verdict(scene, statistics.stress_max),
+        "folds": _folds(results, scene),
         "rubs": rubs,
         "rubbing": {name: rubs[name] for name in _RUBBING},
         "settle_residual": statistics.settle_residual,
@@ -108,6 +111,12 @@ def _cloth(statistics: RunStatistics, scene: Scene) -> dict[str, Any]:
         "unconverged_steps": statistics.cloth_unconverged,
         "inextensibility_error": None,  # a study tells, by doubling the stiffness
     }
+
+
+def _folds(results: Results, scene: Scene) -> dict[str, Any]:
+    finder = FoldFinder(results.reference, results.triangles)
+    last = results.position[-1] if len(results.time) else None
+    return fold_summary(results.steps.time, results.steps.metrics, scene, finder, last)
 
 
 def _impacts(steps: StepSeries, scene: Scene) -> dict[str, Any] | None:

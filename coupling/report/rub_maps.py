@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.tri import Triangulation
 
-from coupling.metrics.rubs import LEAST, mould_angles, rub, shell_angles
+from coupling.metrics.places import mould_angles, shell_angles
+from coupling.metrics.rubs import LEAST, rub
 from coupling.ports import Array
 from coupling.report.files import RunFiles
 from coupling.report.page import Picture
@@ -38,7 +39,7 @@ def rub_maps(run: RunFiles) -> list[Picture]:
             if not (np.nanmax(slip, initial=0.0) > LEAST and np.nanmax(values, initial=0.0) > 0.0):
                 continue
             text = f"Where it rubs on {name}: {how}"
-            source = _map(results, scale * values, label)
+            source = mould_map(results, scale * values, label)
             pictures.append(Picture(source=source, caption=text, alt=text))
     return pictures
 
@@ -76,7 +77,7 @@ def shell_map(run: RunFiles) -> list[Picture]:
     return [Picture(source=svg(figure), caption=text, alt=text)]
 
 
-def _map(results: Results, values: Array, label: str) -> str:
+def mould_map(results: Results, values: Array, label: str) -> str:
     """``values`` (n,), in the unit that the ``label`` of their scale has, over the mould."""
     polar, azimuth = mould_angles(results.reference)
     x, y = np.degrees(polar) * np.cos(azimuth), np.degrees(polar) * np.sin(azimuth)

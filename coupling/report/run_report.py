@@ -22,6 +22,7 @@ from coupling.report.figures import (
     volume_figure,
 )
 from coupling.report.files import RunFiles
+from coupling.report.fold_section import fold_section
 from coupling.report.instants import sections, views
 from coupling.report.page import Page, Picture, Section, number
 from coupling.report.rub_section import rub_section
@@ -76,9 +77,10 @@ def _sections(run: RunFiles) -> list[Section]:
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
         )
     if len(run.results.time) and run.scene.cloth.grid != "thesis":  # which knows no tension
-        rubs = rub_section(run)
-        first = run.scene.report.lead == "rubs"
-        sections = [rubs, *sections, _rubber(run)] if first else [*sections, _rubber(run), rubs]
+        sections.append(_rubber(run))
+        own = {"rubs": rub_section(run), "folds": fold_section(run)}
+        lead = own.pop(run.scene.report.lead, None)
+        sections = [section for section in (lead, *sections, *own.values()) if section]
     return [
         *sections,
         quality_section(run),

@@ -12,7 +12,7 @@ from coupling.scene.sections import Section
 class Report(Section):
     """The report of a run; nothing that is computed depends on it."""
 
-    lead: Literal["diaphragm", "rubs"] = Field(
+    lead: Literal["diaphragm", "rubs", "folds"] = Field(
         default="diaphragm",
-        description='first section after the verdict: "diaphragm" (its shape) or "rubs"',
+        description='first section after the verdict: "diaphragm" (its shape), "rubs" or "folds"',
     )

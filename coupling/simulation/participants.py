@@ -14,6 +14,7 @@ from cloth.mesh import rest_gradients
 from coupling.fluids import FLUIDS
 from coupling.fluids.model import Record
 from coupling.fluids.supply import supply_of
+from coupling.metrics.fold_figures import FoldFigures
 from coupling.motion.frame import frame_of
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
 from coupling.scene.choices import AUTO
@@ -48,6 +49,7 @@ class Participants:
         self._load = self._load_model.load(self.frame.gravity, self.supply.volume(0.0))
         self.cloth = diaphragm_of(scene)
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
+        self.folds = FoldFigures(scene, self.cloth.reference, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
         self.halving = Halving(control=self._error_control())
@@ -168,7 +170,7 @@ class Participants:
             load=self._load, acceleration=self._acceleration(time),
             displacement=self.frame.displacement(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
-            metrics=metrics | self.step.metrics(liquid),
+            metrics=metrics | self.step.metrics(liquid) | self.folds.metrics(state),
         )  # fmt: skip
         if liquid is not None:
             self.band.add(sample, self.cloth.triangles)

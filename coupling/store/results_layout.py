@@ -103,8 +103,9 @@ METRIC_UNITS = {
         "Pa",
     ),
     "wall_slip": "m^4/s^2",
-    **dict.fromkeys(("wall_distance", "patch_distance", "mesh_cg_offset"), "m"),
-    "non_orthogonality_max": "deg",
+    **dict.fromkeys(("wall_distance", "patch_distance", "mesh_cg_offset", "fold_radius"), "m"),
+    **dict.fromkeys(("non_orthogonality_max", "fold_polar", "fold_azimuth"), "deg"),
+    "folded_area": "m^2",
     "volume_error": "-",
     "continuity_error": "-",
 }
