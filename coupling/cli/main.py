@@ -27,6 +27,7 @@ VERBS: Registry[Callable[..., None]] = Registry(
         "sweep": "coupling.cli.sweep:sweep",
         "report": "coupling.cli.report:report",
         "render": "coupling.cli.render:render",
+        "export": "coupling.cli.export:export",
         "check": "coupling.cli.check:check",
         "verify": "coupling.cli.verify:verify",
         "build-solver": "coupling.cli.environment:build_solver",

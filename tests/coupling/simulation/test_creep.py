@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import coupling
+from coupling.metrics.bernoulli import node_areas
 
 PAD_SWAY = Path(__file__).parents[3] / "foam_cases" / "pad_sway_coarse"
 BRIEF: dict[str, Any] = {
@@ -43,3 +45,20 @@ def test_a_diaphragm_at_rest_rubs_nothing(tmp_path: Path) -> None:
     assert done.results.shell_pressure[-1].max() == pytest.approx(
         done.results.shell_pressure[0].max(), rel=1e-3
     )
+
+
+def test_velocity_and_contact_force_of_the_nodes_are_written(tmp_path: Path) -> None:
+    """Without friction and touch of itself the force is the pressure on the shell; BDF2's velocity
+    is the difference of positions to first order of the step, a 32nd of a period."""
+    changes = BRIEF | {"time.duration": 0.4, "time.output_every": 1}
+    results = coupling.run(PAD_SWAY, tmp_path / "sway", changes=changes, report=False).results
+    assert not results.self_pressure.any()
+    area = node_areas(results.reference[None], results.triangles)[0]
+    force = np.linalg.norm(results.contact_force, axis=2)
+    pressing = results.shell_pressure > 0.0
+    assert pressing.any()
+    pressed = (results.shell_pressure * area)[pressing]
+    np.testing.assert_allclose(force[pressing], pressed, rtol=1e-9, atol=1e-9 * pressed.max())
+    way = (results.position[2:] - results.position[:-2]) / (results.time[2] - results.time[0])
+    left = results.velocity[1:-1] - way
+    assert np.sqrt(np.mean(left**2)) < 0.3 * np.sqrt(np.mean(way**2))
