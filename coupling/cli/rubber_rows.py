@@ -7,6 +7,7 @@ from typing import Any
 
 _FOLDS = {
     "folds, most": "number_max",
+    "... radius that the sharpest tenth is bent to [m]": "sharpest_tenth_radius_m",
     "... sharpest radius of curvature [m]": "sharpest_radius_m",
     "... over the thickness": "sharpest_radius_over_thickness",
     "... there from the moulded pole, azimuth [deg]": "sharpest_place_deg",

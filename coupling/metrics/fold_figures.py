@@ -12,8 +12,9 @@ from coupling.ports import Array, DiaphragmState, Ints
 from coupling.scene.scene import Scene
 from coupling.scene.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
 
-# Of every step, where the grid carries folds: number, sharpest radius [m] and its place [deg].
-_RESOLVED = ("fold_number", "fold_radius", "fold_polar", "fold_azimuth")
+# Of every step, where the grid carries folds: number, the sharpest tenth's radius [m], the sharpest
+# radius [m] and its place [deg].
+_RESOLVED = ("fold_number", "fold_tenth_radius", "fold_radius", "fold_polar", "fold_azimuth")
 
 
 def below_grid(scene: Scene) -> str | None:
@@ -51,7 +52,8 @@ class FoldFigures:
         }
         if self._resolved:
             folds = self._finder.folds(state.position)
-            values = (float(len(folds.ridges)), folds.radius, *self._finder.place(folds.node))
+            radii, place = (folds.tenth_radius, folds.radius), self._finder.place(folds.node)
+            values = (float(len(folds.ridges)), *radii, *place)
             found |= dict(zip(_RESOLVED, values, strict=True))
         return found
 
@@ -82,7 +84,8 @@ def fold_summary(
     -------
     dict
         Numbers, the ridges at the end, the sharpest radius and where and when it was: null with a
-        reason in ``below_grid`` where the grid does not resolve them. ``sharpest_radius_resolved``:
+        reason in ``below_grid`` where the grid does not resolve them. ``sharpest_tenth_radius_m``:
+        the least that a tenth of the area was bent to. ``sharpest_radius_resolved``:
         whether it is at least the grid's spacing h; a smaller one is the grid's rather than the
         sheet's, as the curvature lacks a share of (h/radius)^2/12, and cannot exceed 2/h. The area
         folded over and whether layers touch are of what the grid shows, and null in runs that did
@@ -91,8 +94,9 @@ def fold_summary(
     reason = below_grid(scene)
     found: dict[str, Any] = dict.fromkeys(
         (
-            "number_max", "number_end", "ridges_end_deg", "sharpest_radius_m",
-            "sharpest_radius_over_thickness", "sharpest_radius_resolved", "sharpest_place_deg",
+            "number_max", "number_end", "ridges_end_deg", "sharpest_tenth_radius_m",
+            "sharpest_radius_m", "sharpest_radius_over_thickness", "sharpest_radius_resolved",
+            "sharpest_place_deg",
             "sharpest_time_s",
             "folded_area_max_m2", "folded_area_max_fraction", "layers_touch",
             "layers_touch_share_of_steps",
@@ -106,13 +110,14 @@ def fold_summary(
             "layers_touch": share > 0.0, "layers_touch_share_of_steps": share,
         }  # fmt: skip
     if reason is None and position is not None and "fold_number" in metrics:
-        number, radius, polar, azimuth = (metrics[name] for name in _RESOLVED)
+        number, tenth, radius, polar, azimuth = (metrics[name] for name in _RESOLVED)
         step = int(np.nanargmin(radius))
         ridges = finder.folds(position).ridges
         spacing = grid_spacing(scene.tank.mould.length, scene.cloth)
         found |= {
             "number_max": int(np.nanmax(number)), "number_end": len(ridges),
             "ridges_end_deg": [finder.place(int(node)) for node in ridges],
+            "sharpest_tenth_radius_m": float(np.nanmin(tenth)),
             "sharpest_radius_m": float(radius[step]),
             "sharpest_radius_over_thickness": float(radius[step] / scene.diaphragm.thickness),
             "sharpest_radius_resolved": bool(radius[step] >= spacing),

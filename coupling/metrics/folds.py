@@ -14,6 +14,7 @@ import numpy as np
 from scipy.signal import find_peaks
 
 from cloth.principal_curvature import PrincipalCurvature
+from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.places import degrees_of, mould_angles
 from coupling.ports import Array, Ints
 
@@ -22,6 +23,7 @@ from coupling.ports import Array, Ints
 # sheet has. Scale-free, and no property of the rubber.
 PROMINENCE = 1.0
 LEAST = 8  # nodes of a ring on which two folds could be told apart
+TENTH = 0.1  # of the area: its radius converges with the grid, the sharpest of all does not
 SAME = 1e-9  # of the rim's radius, within which nodes lie on one ring
 
 
@@ -30,12 +32,14 @@ class Folds:
     """Folds at an instant.
 
     ``ridges`` (k,): the nodes that are ridges on the ring with most of them; ``radius`` [m]: the
-    sharpest radius of curvature, and the ``node`` where that is.
+    sharpest radius of curvature, and the ``node`` where that is; ``tenth_radius`` [m]: the radius
+    that the sharpest tenth of the moulded area is bent to or below.
     """
 
     ridges: Ints
     radius: float
     node: int
+    tenth_radius: float
 
 
 class FoldFinder:
@@ -47,6 +51,7 @@ class FoldFinder:
         self.size = float(self._distance.max())
         self._normal = _normals(reference, triangles)
         self._area = np.linalg.norm(self._normal, axis=1) / 2.0
+        self._node_area = node_areas(reference[None], triangles)[0]
 
     @cached_property
     def _curvature(self) -> PrincipalCurvature:
@@ -86,8 +91,12 @@ class FoldFinder:
             ]
         most = np.maximum(np.abs(larger), np.abs(smaller))
         node = int(np.argmax(most))
+        order = np.argsort(-most)
+        area = np.cumsum(self._node_area[order])
+        tenth = order[int(np.searchsorted(area, TENTH * area[-1]))]
+        radius, tenth_radius = (1.0 / max(float(most[one]), 1e-300) for one in (node, tenth))
         return Folds(
-            ridges=max(found, key=len), radius=1.0 / max(float(most[node]), 1e-300), node=node
+            ridges=max(found, key=len), radius=radius, node=node, tenth_radius=tenth_radius
         )
 
     def folded_area(self, position: Array) -> float:

@@ -44,6 +44,7 @@ def fold_table(folds: dict[str, Any]) -> Table:
             ["Folds, most", str(folds["number_max"])],
             ["Folds at the end", str(folds["number_end"])],
             ["… from the moulded pole, azimuth", places],
+            ["The sharpest tenth is bent to", number(1e3 * folds["sharpest_tenth_radius_m"], "mm")],
             ["Sharpest radius of curvature", radius],
             ["… over the thickness", number(folds["sharpest_radius_over_thickness"])],
             ["… from the moulded pole, azimuth", _place(folds["sharpest_place_deg"])],

@@ -81,6 +81,7 @@ def test_noise_makes_no_folds(rings: int) -> None:
         found = finder.folds(shape + noise)
         assert len(found.ridges) == 0
         assert found.radius == pytest.approx(RADIUS, rel=0.05)
+        assert found.radius <= found.tenth_radius == pytest.approx(RADIUS, rel=0.05)
     assert finder.folded_area(mesh.points + noise) == 0.0
 
 
@@ -127,6 +128,7 @@ def test_a_summary_tells_of_the_sharpest_step_or_why_it_cannot() -> None:
     assert found["number_max"] == found["number_end"] == len(found["ridges_end_deg"]) == 3
     assert found["sharpest_radius_m"] == radius
     assert found["sharpest_radius_over_thickness"] == pytest.approx(radius / 0.0018)
+    assert found["sharpest_tenth_radius_m"] > radius
     assert found["sharpest_radius_resolved"] is True
     assert found["sharpest_time_s"] == 0.1
     assert found["layers_touch"] is True
