@@ -107,6 +107,7 @@ METRIC_UNITS = {
     **dict.fromkeys(("fold_radius", "fold_tenth_radius"), "m"),
     **dict.fromkeys(("non_orthogonality_max", "fold_polar", "fold_azimuth"), "deg"),
     "folded_area": "m^2",
+    **dict.fromkeys(("fold_number", "layers_touch"), "-"),
     "volume_error": "-",
     "continuity_error": "-",
 }
