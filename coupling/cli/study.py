@@ -22,7 +22,7 @@ from coupling.cli.options import (
 )
 
 
-@guarded("coupling.api.studies", "coupling.cli.tables", "coupling.cli.progress")
+@guarded("coupling.api.studies", "coupling.cli.study_table", "coupling.cli.progress")
 def study(
     scene_path: ScenePath,
     models: Annotated[
@@ -47,7 +47,7 @@ def study(
     """Run one scene on several fluid models: errors against the best, speed against error."""
     from coupling import study as run_study
     from coupling.cli.progress import RunProgress
-    from coupling.cli.tables import print_study
+    from coupling.cli.study_table import print_study
     from coupling.store.run_folder import default_folder
 
     folder = output or default_folder(scene_path, "-study")
