@@ -19,6 +19,7 @@ MOTIONS: Registry[MotionKind] = Registry(
     {
         "sine": "coupling.motion.sine:SINE",
         "table": "coupling.motion.table:TABLE",
+        "psd": "coupling.motion.psd:PSD",
         "rest": "coupling.motion.rest:REST",
     },
 )

@@ -40,6 +40,7 @@ class MotionKind:
     """
 
     needs: ClassVar[tuple[str, ...]] = ()  # keys of the section that have to be given
+    takes: ClassVar[tuple[str, ...]] = ()  # keys of the section that may be given
     reads_file: ClassVar[bool] = False  # whether ``motion.file`` is its data
     moves: ClassVar[bool] = True
     gentler: ClassVar[str] = ""  # what to change for less of it, as a message's mend
@@ -49,13 +50,13 @@ class MotionKind:
         raise NotImplementedError
 
     def record(self, section: Motion) -> MotionTable | None:
-        """The measured accelerations that it follows, None where it follows none."""
+        """The accelerations, measured or made, that it follows, None where it follows none."""
         del section
         return None
 
-    def problems(self, section: Motion, end: float) -> list[str]:
-        """One line ``key: what is wrong. Mend.`` each, of a run that ends at ``end`` [s]."""
-        del section, end
+    def problems(self, section: Motion, end: float, step: float) -> list[str]:
+        """One line ``key: what is wrong. Mend.`` each, of a run to ``end`` [s] in ``step`` s."""
+        del section, end, step
         return []
 
     def frequency(self, section: Motion) -> float | None:

@@ -12,25 +12,29 @@ from coupling.motion import MOTIONS
 from coupling.ports import Array
 from coupling.scene.motion_table import MotionTable
 from coupling.scene.scene import Scene
+from coupling.scene.tables.columns import GRAVITY
 
-GRAVITY = 9.80665  # m/s^2
 _NEAR = 0.1  # of gravity: how near to it a mean is taken to contain it
 _ENOUGH = 10  # samples from which on steps are called uneven
 _GAP = 1.5  # times the median step: one sample is missing
 _FEW = 0.05  # share of the steps up to which longer ones are gaps
 _UNEVEN = 0.1  # of the median step: spread of nine steps in ten
+_NOTHING = 1e-7  # m/s^2: a mean below it is rounding
 MATERIAL = 0.05  # share of the power above what the time step carries
 
 
 @dataclass(frozen=True, kw_only=True)
 class RecordSummary:
-    """What a scene's table of accelerations is.
+    """What the accelerations are that a scene's tank follows, measured or made.
 
-    ``says``: what was read, in a line; ``power_above_step``: share of its power above half the
-    rate of the time steps; ``warnings``: what may be wrong, a sentence and a mend each.
+    ``says``: what was read, in a line; ``rms_m_s2``: root mean square by axis; ``band_hz``: between
+    which frequencies nine tenths of its power lie; ``power_above_step``: share of its power above
+    half the rate of the time steps; ``warnings``: what may be wrong, a sentence and a mend each.
     """
 
     says: str
+    rms_m_s2: tuple[float, ...]
+    band_hz: tuple[float, float]
     power_above_step: float
     warnings: tuple[str, ...]
 
@@ -40,13 +44,15 @@ class RecordSummary:
 
 
 def record_summary(scene: Scene) -> RecordSummary | None:
-    """Of the accelerations that shake a scene's tank; None where they come from no table."""
+    """Of the accelerations that shake a scene's tank; None where it follows no record."""
     table = MOTIONS[scene.motion.kind].record(scene.motion)
     if table is None:
         return None
     above = table.power_above(_carried(scene))
     return RecordSummary(
         says=_line(scene, table, above),
+        rms_m_s2=tuple(table.rms.tolist()),
+        band_hz=table.band,
         power_above_step=above,
         warnings=(
             *_step_warnings(scene, table, above),
@@ -58,11 +64,13 @@ def record_summary(scene: Scene) -> RecordSummary | None:
 
 def _line(scene: Scene, table: MotionTable, above: float) -> str:
     rate = 1.0 / float(np.median(np.diff(table.time)))
+    low, high = table.band
     peak = table.acceleration[np.argmax(np.sum(table.acceleration**2, axis=1))]
     return (
         f"record {Path(scene.motion.file or '').name}: {table.read}; {len(table.time)} samples at "
         f"{rate:.4g} Hz, {table.time[0]:.4g} to {table.time[-1]:.4g} s, "
-        f"mean {_vector(table.mean)}, peak {_vector(peak)} m/s^2; "
+        f"mean {_vector(table.mean)}, peak {_vector(peak)} m/s^2, rms {_vector(table.rms)} m/s^2, "
+        f"nine tenths of its power between {low:.3g} and {high:.3g} Hz; "
         f"{100.0 * above:.3g} % of its power is above the "
         f"{_carried(scene):.4g} Hz that time.step = {scene.time.step:g} s carries"
     )
@@ -124,5 +132,5 @@ def _gap_warnings(table: MotionTable) -> list[str]:
 
 
 def _vector(values: Array) -> str:
-    least = 1e-6 * np.abs(values).max()
+    least = max(1e-6 * np.abs(values).max(), _NOTHING)
     return "(" + ", ".join(f"{value:.3g}" if abs(value) > least else "0" for value in values) + ")"

@@ -76,8 +76,9 @@ class Table(MotionKind):
         """The section's table."""
         return section.record
 
-    def problems(self, section: Motion, end: float) -> list[str]:
+    def problems(self, section: Motion, end: float, step: float) -> list[str]:
         """A table that cannot be read, or does not cover the run."""
+        del step
         if section.file is None:  # said of the missing key
             return []
         try:

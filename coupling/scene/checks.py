@@ -8,7 +8,13 @@ import numpy as np
 
 from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.mesh import cells_above, cells_made
-from coupling.scene.choices import fluid_models, fluid_problems, keeps_volume, motion_kind
+from coupling.scene.choices import (
+    fluid_models,
+    fluid_problems,
+    keeps_volume,
+    motion_kind,
+    motions_reading,
+)
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene.sections import LEAST, Motion
 from coupling.scene.wrinkles import (
@@ -25,6 +31,7 @@ THICKNESS_OVER_RADIUS = 0.05
 FEWEST_ACROSS = 4  # cells across the mesh's inner cube, those of the least ``openfoam.cells``
 LEAST_SPACING, MOST_SPACING = 1e-5, 0.2  # of wall cells over the radius; that of the coarsest mesh
 FARTHEST_CELLS = 1.5  # that may be asked, over those that the mesh has
+_OF_ONE_KIND = ("file", "duration", "seed")  # keys of a motion that another kind would pass over
 
 
 def problems_between(scene: Scene) -> list[str]:
@@ -208,12 +215,15 @@ def _check_motion(scene: Scene) -> list[str]:
             "motion.direction: must not be zero, got [0, 0, 0]. "
             "Give the direction of the shaking, such as [1.0, 0.0, 0.0]."
         )
-    if motion.file is not None and not kind.reads_file:
-        problems.append(
-            f'motion.file: is read with motion.kind = "table" only, got kind = "{motion.kind}". '
-            'Set motion.kind = "table", or leave the file out.'
-        )
-    return [*problems, *kind.problems(motion, scene.time.step * scene.time.steps)]
+    for key in _OF_ONE_KIND:
+        if getattr(motion, key) is not None and key not in (*kind.needs, *kind.takes):
+            kinds = " or ".join(f'"{name}"' for name in motions_reading(key))
+            problems.append(
+                f"motion.{key}: is read with motion.kind = {kinds} only, got kind = "
+                f'"{motion.kind}". Set motion.kind = {kinds}, or leave the {key} out.'
+            )
+    time = scene.time
+    return [*problems, *kind.problems(motion, time.step * time.steps, time.step)]
 
 
 def _check_time(scene: Scene) -> list[str]:

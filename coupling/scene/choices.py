@@ -21,10 +21,11 @@ class MotionKind(Protocol):
     """What a scene asks of a kind of motion (the list is ``coupling.motion.MOTIONS``)."""
 
     needs: tuple[str, ...]  # keys of the section that have to be given
+    takes: tuple[str, ...]  # keys of the section that may be given
     reads_file: bool  # whether ``motion.file`` is its data
 
-    def problems(self, section: Motion, end: float) -> list[str]:
-        """One line ``key: what is wrong. Mend.`` each, of a run that ends at ``end`` [s]."""
+    def problems(self, section: Motion, end: float, step: float) -> list[str]:
+        """One line ``key: what is wrong. Mend.`` each, of a run to ``end`` [s] in ``step`` s."""
 
     def frequency(self, section: Motion) -> float | None:
         """Of a periodic motion [Hz], None of any other."""
@@ -38,6 +39,12 @@ def motion_kinds() -> tuple[str, ...]:
 def motions_with(key: str) -> tuple[str, ...]:
     """Names of the kinds of motion that need ``key`` of their section."""
     return tuple(name for name in motion_kinds() if key in motion_kind(name).needs)
+
+
+def motions_reading(key: str) -> tuple[str, ...]:
+    """Names of the kinds of motion that need or take ``key`` of their section."""
+    kinds = {name: motion_kind(name) for name in motion_kinds()}
+    return tuple(name for name, kind in kinds.items() if key in (*kind.needs, *kind.takes))
 
 
 def motion_kind(name: str) -> MotionKind:

@@ -70,16 +70,33 @@ class MotionTable:
         power = np.sum(lines.real**2 + lines.imag**2, axis=0)
         return np.fft.rfftfreq(padded, even[1] - even[0]), np.cumsum(power)
 
+    @cached_property
+    def rms(self) -> Array:
+        """Root mean square (3,) [m/s^2] about 0, of the lines between the samples, over time."""
+        low, high = self.acceleration[:-1], self.acceleration[1:]
+        squares = (low**2 + low * high + high**2) / 3.0
+        mean = np.diff(self.time) @ squares / (self.time[-1] - self.time[0])
+        return np.asarray(np.sqrt(mean))
+
     @property
     def characteristic_frequency(self) -> float:
         """Frequency [Hz] below which POWER of the power lies, resolved to one over the length.
 
         0 where nothing changes.
         """
+        return self._frequency_of(POWER)
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Frequencies [Hz] between which POWER of the power lies, as much below as above."""
+        return self._frequency_of(0.5 * (1.0 - POWER)), self._frequency_of(0.5 * (1.0 + POWER))
+
+    def _frequency_of(self, share: float) -> float:
+        """Frequency [Hz] below which a ``share`` of the power lies, 0 where nothing changes."""
         frequencies, power = self._spectrum
         if power[-1] <= 0.0:
             return 0.0
-        return float(frequencies[np.searchsorted(power, POWER * power[-1])])
+        return float(frequencies[np.searchsorted(power, share * power[-1])])
 
     def power_above(self, frequency: float) -> float:
         """Share of the power that lies above ``frequency`` [Hz]; 0 where nothing changes."""

@@ -25,6 +25,7 @@ from coupling.scene.choices import (
 )
 from coupling.scene.liquids import LIQUIDS
 from coupling.scene.motion_table import MotionTable, read_motion_table
+from coupling.scene.spectrum_table import SpectrumTable, read_spectrum_table
 
 _LIQUID: dict[str, Any] = {"instead": 'a known liquid such as name = "water"'}
 
@@ -114,11 +115,13 @@ class Motion(Section):
 
     ``sine``: amplitude * s(t) * sin(2 pi frequency t) along ``direction``, with s a smooth ramp
     over ``ramp`` periods. Its ``acceleration`` A (2 pi frequency)^2 can be given in place of the
-    amplitude A, which then stands for it. ``table``: accelerations from a CSV file. ``rest``: none.
+    amplitude A, which then stands for it. ``table``: accelerations from a CSV file. ``psd``: a
+    record of ``duration`` made from a CSV file of power spectral densities, a sum of harmonics
+    whose phases are random by the ``seed``. ``rest``: none.
     """
 
     kind: Annotated[str, one_of(motion_kinds)] = Field(
-        default="rest", description='kind of motion, such as "sine", "table" or "rest"'
+        default="rest", description='kind of motion, such as "sine", "table", "psd" or "rest"'
     )
     frequency: float | None = Field(default=None, gt=0, description="frequency [Hz]")
     amplitude: float | None = Field(
@@ -134,7 +137,14 @@ class Motion(Section):
     ramp: float = Field(default=1.0, ge=0, description="smooth start in periods, 0 for none")
     file: str | None = Field(
         default=None,
-        description="CSV file with columns time, ax, ay, az (s, m/s^2, or as its header says)",
+        description="CSV file with columns time, ax, ay, az (s, m/s^2, or as its header says); for "
+        "a psd frequency, x, y, z (Hz, g^2/Hz)",
+    )
+    duration: float | None = Field(
+        default=None, gt=0, description="length of the record that a psd makes [s]"
+    )
+    seed: int | None = Field(
+        default=None, ge=0, description="seed, a whole number, of a psd's random phases"
     )
 
     @model_validator(mode="before")
@@ -172,6 +182,12 @@ class Motion(Section):
         """The accelerations of a ``table``, read once. Raises ``TableError``."""
         assert self.file is not None
         return read_motion_table(Path(self.file))
+
+    @cached_property
+    def spectrum(self) -> SpectrumTable:
+        """The densities of a ``psd``, read once. Raises ``TableError``."""
+        assert self.file is not None
+        return read_spectrum_table(Path(self.file))
 
     @property
     def unit_direction(self) -> Array:

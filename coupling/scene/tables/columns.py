@@ -18,7 +18,7 @@ _UNIT_IN_HEAD = (
     re.compile(_ANY + r"[_ ](?P<unit>[^_ ]+)\s*"),
 )
 _IN_UNITS = str.maketrans(
-    {"²": "2", "µ": "u", "μ": "u", "⁻": "-", "−": "-", "^": "", "*": "", "·": "", ".": "", " ": ""}
+    {"²": "2", "³": "3", "µ": "u", "μ": "u", "⁻": "-", "−": "-"} | dict.fromkeys("^*·. ", "")
 )
 
 
@@ -87,11 +87,11 @@ def recognised(heads: Sequence[str], wanted: Sequence[Column]) -> int:
     return sum(any(column.read(head) is not None for head in heads) for column in wanted)
 
 
-_GRAVITY = 9.80665
+GRAVITY = 9.80665  # m/s^2 in a unit g
 ACCELERATION = {
     **dict.fromkeys(("m/s2", "m/s/s", "ms-2", "ms2", "mps2", "m/sec2", "mpss"), 1.0),
-    **dict.fromkeys(("g", "gn", "g0", "gs", "g's"), _GRAVITY),
-    **dict.fromkeys(("mg", "millig"), 1e-3 * _GRAVITY),
+    **dict.fromkeys(("g", "gn", "g0", "gs", "g's"), GRAVITY),
+    **dict.fromkeys(("mg", "millig"), 1e-3 * GRAVITY),
     **dict.fromkeys(("cm/s2", "gal"), 1e-2),
     "mm/s2": 1e-3,
     "ft/s2": 0.3048,

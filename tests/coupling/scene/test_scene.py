@@ -325,7 +325,7 @@ def test_wrinkles_are_resolved_by_ten_cells_a_wavelength(folder: Path):
 
 def test_a_record_beside_a_sine_is_not_passed_over(folder):
     (line,) = problems(folder, "motion.file=truck.csv")
-    assert line.startswith('--set: motion.file: is read with motion.kind = "table" only')
+    assert line.startswith('--set: motion.file: is read with motion.kind = "table" or "psd" only')
 
 
 def test_a_table_must_cover_the_run(folder: Path):
