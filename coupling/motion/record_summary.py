@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from coupling.motion import MOTIONS
+from coupling.motion.table import NEAR_GRAVITY
 from coupling.ports import Array
 from coupling.scene.motion_table import MotionTable
 from coupling.scene.scene import Scene
 from coupling.scene.tables.columns import GRAVITY
 
-_NEAR = 0.1  # of gravity: how near to it a mean is taken to contain it
 _ENOUGH = 10  # samples from which on steps are called uneven
-_GAP = 1.5  # times the median step: one sample is missing
+_MISSED = 1.5  # times the median step: one sample is missing
 _FEW = 0.05  # share of the steps up to which longer ones are gaps
 _UNEVEN = 0.1  # of the median step: spread of nine steps in ten
 _NOTHING = 1e-7  # m/s^2: a mean below it is rounding
@@ -56,8 +56,8 @@ def record_summary(scene: Scene) -> RecordSummary | None:
         power_above_step=above,
         warnings=(
             *_step_warnings(scene, table, above),
-            *_gravity_warnings(table),
-            *_gap_warnings(table),
+            *_gravity_warnings(scene, table),
+            *_sampling_warnings(table),
         ),
     )
 
@@ -92,35 +92,35 @@ def _step_warnings(scene: Scene, table: MotionTable, above: float) -> list[str]:
     ]
 
 
-def _gravity_warnings(table: MotionTable) -> list[str]:
-    size = float(np.linalg.norm(table.mean))
-    if abs(size / GRAVITY - 1.0) < _NEAR:
+def _gravity_warnings(scene: Scene, table: MotionTable) -> list[str]:
+    size = float(np.linalg.norm(table.median))
+    if any(scene.motion.at_rest or ()) and abs(size / GRAVITY - 1.0) < NEAR_GRAVITY:
         return [
-            f"the record's mean is {_vector(table.mean)} m/s^2, near 1 g: it seems to contain "
-            "gravity, which the scene adds itself. Subtract the mean, and see that the axes are "
-            "the tank's, unless the tank is really accelerated so."
+            f"the record less motion.at_rest still has a median of {_vector(table.median)} m/s^2, "
+            "near 1 g. Turn the sign of motion.at_rest, or take the axis of gravity in it."
         ]
-    if not table.units_given and abs(size - 1.0) < _NEAR:
+    if not table.units_given and abs(size - 1.0) < NEAR_GRAVITY:
         return [
-            f"the record's mean is {size:.3g}, taken for m/s^2 since the file gives no unit: it "
+            f"the record's median is {size:.3g}, taken for m/s^2 since the file gives no unit: it "
             "seems to be in g and to contain gravity. Name the unit in the header, such as "
-            "ax (g), and subtract the mean."
+            "ax (g), and give motion.at_rest."
         ]
     return []
 
 
-def _gap_warnings(table: MotionTable) -> list[str]:
+def _sampling_warnings(table: MotionTable) -> list[str]:
     steps = np.diff(table.time)
     median = float(np.median(steps))
     if len(table.time) < _ENOUGH:
         return []
     changed = np.any(table.acceleration[1:] != table.acceleration[:-1], axis=1)
-    wide = (steps > _GAP * median) & changed  # across the others the tank coasts
+    wide = (steps > _MISSED * median) & changed  # across the others the tank coasts
     if 0.0 < wide.mean() <= _FEW:
-        longest = int(np.argmax(steps * wide))
+        first = int(np.argmax(wide))
         return [
-            f"the record has gaps, {int(wide.sum())} in all, the longest of {steps[longest]:.3g} s "
-            f"from t = {table.time[longest]:.4g} s. Fill them, or accept that it is linear there."
+            f"single samples of the record are missing, {int(wide.sum())} in all, the first behind "
+            f"t = {table.time[first]:.4g} s; it is taken as linear there. More than one in a row "
+            "are refused."
         ]
     low, high = np.quantile(steps, (0.05, 0.95))
     if high - low > _UNEVEN * median:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,10 @@ from coupling.motion.kind import MotionKind, TankMotion
 from coupling.ports import Array
 from coupling.scene.motion_table import MotionTable
 from coupling.scene.sections import Motion
+from coupling.scene.tables.columns import GRAVITY
 from coupling.scene.tables.text import TableError
+
+NEAR_GRAVITY = 0.1  # of gravity: how near to it a median is taken to contain it
 
 
 class TableMotion:
@@ -66,6 +70,7 @@ class Table(MotionKind):
     """Accelerations from a CSV file, read once (``Motion.record``)."""
 
     needs = ("file",)
+    takes = ("at_rest",)
     reads_file = True
 
     def motion(self, section: Motion) -> TankMotion:
@@ -77,7 +82,7 @@ class Table(MotionKind):
         return section.record
 
     def problems(self, section: Motion, end: float, step: float) -> list[str]:
-        """A table that cannot be read, or does not cover the run."""
+        """A table that cannot be read, may contain gravity or does not cover the run."""
         del step
         if section.file is None:  # said of the missing key
             return []
@@ -85,6 +90,16 @@ class Table(MotionKind):
             table = section.record
         except TableError as error:
             return [f"motion.file: {error}"]
+        median = table.median
+        near = np.linalg.norm(median) / GRAVITY
+        if section.at_rest is None and abs(near - 1.0) < NEAR_GRAVITY:
+            said = ", ".join(f"{value:.4g}" for value in median)
+            return [
+                f"motion.file: {section.file}: its median is ({said}) m/s^2, near 1 g, and nothing "
+                "says whether it contains gravity, which the scene adds itself. Give "
+                f"motion.at_rest = {_upright(median)}, what it shows of a tank at rest, or "
+                "[0.0, 0.0, 0.0] if the tank is really accelerated so."
+            ]
         first, last = float(table.time[0]), float(table.time[-1])
         if first > 0.0 or last < end * (1.0 - 1e-9):
             return [
@@ -104,6 +119,12 @@ class Table(MotionKind):
     def facts(self, section: Motion) -> tuple[str | tuple[float, str], ...]:
         """The file's name."""
         return (f"table {Path(section.file or '').name}",)
+
+
+def _upright(vector: Array) -> list[float]:
+    """Gravity along the axis that a ``vector`` (3,) is nearest to."""
+    axis = int(np.argmax(np.abs(vector)))
+    return [math.copysign(GRAVITY, vector[axis]) if k == axis else 0.0 for k in range(3)]
 
 
 TABLE = Table()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
@@ -32,6 +33,8 @@ COLUMNS = (
     ),
 )
 _MANY = 10  # samples from which on a record's rate says something
+_GAP = 2.5  # times the median step: more than one sample is missing
+_FEW = 0.05  # share of the steps up to which longer ones are gaps, beyond it the sampling is uneven
 _SLOWEST = 0.5  # s between samples, above which a time without a unit may be milliseconds
 
 
@@ -49,6 +52,12 @@ class MotionTable:
     acceleration: Array
     read: str = ""
     units_given: bool = True
+
+    def less(self, constant: Sequence[float]) -> MotionTable:
+        """The same less a ``constant`` acceleration (3,) [m/s^2]."""
+        said = ", ".join(f"{value:g}" for value in constant)
+        read = f"{self.read}, less ({said}) m/s^2" if any(constant) else self.read
+        return replace(self, acceleration=self.acceleration - np.array(constant), read=read)
 
     @cached_property
     def mean(self) -> Array:
@@ -69,6 +78,11 @@ class MotionTable:
         lines = np.fft.rfft(signal, n=padded)
         power = np.sum(lines.real**2 + lines.imag**2, axis=0)
         return np.fft.rfftfreq(padded, even[1] - even[0]), np.cumsum(power)
+
+    @property
+    def median(self) -> Array:
+        """Median (3,) [m/s^2] of the samples, which shocks do not move."""
+        return np.asarray(np.median(self.acceleration, axis=0))
 
     @cached_property
     def rms(self) -> Array:
@@ -109,8 +123,9 @@ def read_motion_table(path: Path) -> MotionTable:
     """Read a table of accelerations, laid out as ``table_of`` says.
 
     Times that are dates, or seconds since 1970, start at 0. Raises ``TableError`` as that, for
-    times that do not increase, and for times without a unit that are so far apart that they may be
-    milliseconds. Whether the samples resolve the motion is not checked.
+    times that do not increase, for times without a unit that are so far apart that they may be
+    milliseconds, and for gaps of more than one sample. Whether the samples resolve the motion is
+    not checked.
     """
     return _read(path, read_content(path))
 
@@ -133,11 +148,28 @@ def _read(path: Path, data: bytes) -> MotionTable:
             f"{table.where(1)}: time steps by {apart:.4g}, and the file gives no unit of time. "
             "Name it in a header, such as time (ms), ax (m/s^2), ay (m/s^2), az (m/s^2)."
         )
+    _check_gaps(table)
     return MotionTable(
         time=time,
         acceleration=table.values[:, 1:],
         read=_taken_for(table),
         units_given=all(table.units[1:]),
+    )
+
+
+def _check_gaps(table: Table) -> None:
+    """Refuse what a logger has left out; equal values at both ends are a tank that coasts."""
+    steps = np.diff(table.values[:, 0])
+    changed = np.any(table.values[1:, 1:] != table.values[:-1, 1:], axis=1)
+    rows = np.flatnonzero((steps > _GAP * np.median(steps)) & changed)
+    if len(steps) < _MANY or not 0 < len(rows) <= _FEW * len(steps):
+        return
+    row = int(rows[0])
+    more = f" (and {len(rows) - 1} more gaps)" if len(rows) > 1 else ""
+    raise TableError(
+        f"{table.where(row + 1)}: {steps[row]:.3g} s are missing since line {table.lines[row]}, "
+        f"where samples are {np.median(steps):.3g} s apart{more}. Fill the gap, with the line "
+        "between its ends if that is meant, or give the part before or behind it."
     )
 
 

@@ -140,6 +140,11 @@ class Motion(Section):
         description="CSV file with columns time, ax, ay, az (s, m/s^2, or as its header says); for "
         "a psd frequency, x, y, z (Hz, g^2/Hz)",
     )
+    at_rest: Annotated[tuple[float, float, float] | None, BeforeValidator(_as_tuple)] = Field(
+        default=None,
+        description="three numbers that a table shows of a tank at rest [m/s^2], which are "
+        "subtracted: [0.0, 0.0, 9.80665] where an accelerometer's gravity is in it, else 0",
+    )
     duration: float | None = Field(
         default=None, gt=0, description="length of the record that a psd makes [s]"
     )
@@ -179,9 +184,10 @@ class Motion(Section):
 
     @cached_property
     def record(self) -> MotionTable:
-        """The accelerations of a ``table``, read once. Raises ``TableError``."""
+        """The accelerations of a ``table``, read once, less ``at_rest``. Raises ``TableError``."""
         assert self.file is not None
-        return read_motion_table(Path(self.file))
+        table = read_motion_table(Path(self.file))
+        return table if self.at_rest is None else table.less(self.at_rest)
 
     @cached_property
     def spectrum(self) -> SpectrumTable:

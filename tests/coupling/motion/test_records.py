@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from coupling.cli.main import app
 from coupling.motion.record_summary import record_summary
 from coupling.scene.motion_table import read_motion_table
-from coupling.scene.scene import scene_from
+from coupling.scene.scene import SceneError, scene_from
 from coupling.scene.tables import file as table_file
 from coupling.scene.tables.text import TableError
 
@@ -272,27 +272,50 @@ def warnings(path: Path, time: np.ndarray, values: np.ndarray, **options) -> str
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_gravity_in_the_record_is_warned_of(tmp_path: Path, sign: float):
+def test_gravity_in_the_record_is_said_and_never_guessed(tmp_path: Path, sign: float):
     time = np.arange(0.0, 0.2, 0.005)
     values = np.column_stack([np.sin(30 * time), 0 * time, sign + 0.2 * np.cos(30 * time)])
-    assert "near 1 g: it seems to contain gravity" in warnings(tmp_path / "m.csv", time, values)
+    file = written(tmp_path / "m.csv", time, values)
+    with pytest.raises(
+        SceneError, match="near 1 g, and nothing says whether it contains"
+    ) as caught:
+        scene(file)
+    mend = f"Give motion.at_rest = [0.0, 0.0, {sign * G}], what it shows of a tank at rest, or"
+    assert mend in caught.value.problems[0]
+    held = scene(file, motion={"at_rest": [0.0, 0.0, sign * G]})
+    moved = values - [0.0, 0.0, sign]
+    np.testing.assert_allclose(held.motion.record.acceleration, G * moved, atol=1e-7)
+    found = record_summary(held)
+    assert found is not None
+    assert f"less (0, 0, {sign * 9.80665:g}) m/s^2" in found.says
+    assert not found.warnings
+    really = scene(file, motion={"at_rest": [0.0, 0.0, 0.0]})
+    np.testing.assert_array_equal(
+        really.motion.record.acceleration, read_motion_table(file).acceleration
+    )
+    turned = record_summary(scene(file, motion={"at_rest": [0.0, 0.0, 1e-3]}))
+    assert turned is not None
+    assert "still has a median" in turned.warnings[0]
     bare = warnings(tmp_path / "m.csv", time, values, names="time,ax,ay,az")
     assert "it seems to be in g and to contain gravity" in bare
     values[:, 2] -= sign
     assert not warnings(tmp_path / "m.csv", time, values)
 
 
-def test_gaps_and_uneven_steps_are_warned_of(tmp_path: Path):
+def test_gaps_are_refused_and_uneven_steps_warned_of(tmp_path: Path):
     time = np.arange(0.0, 0.2, 0.005)
     kept = np.abs(time - 0.1) > 0.021
     values = np.column_stack([np.sin(30 * time)] * 3)
-    text = warnings(tmp_path / "m.csv", time[kept], values[kept])
-    assert "gaps, 1 in all, the longest of 0.05 s from t = 0.075 s" in text
+    written(tmp_path / "m.csv", time[kept], values[kept])
+    says = r"line 18: 0.05 s are missing since line 17, where samples are 0.005 s apart\. Fill"
+    with pytest.raises(TableError, match=says):
+        read_motion_table(tmp_path / "m.csv")
     uneven = time + 0.001 * np.sin(1.0 + np.arange(len(time)) ** 2)
     uneven[0] = 0.0
     one = np.arange(len(time)) != 20
-    assert "gaps, 1 in all, the longest of 0.01 s" in warnings(
-        tmp_path / "m.csv", time[one], values[one]
+    assert (
+        "single samples of the record are missing, 1 in all, the first behind t = 0.095"
+        in warnings(tmp_path / "m.csv", time[one], values[one])
     )
     coasting = np.append(time, 9.0), np.append(values, values[-1:], axis=0)
     assert not warnings(tmp_path / "m.csv", *coasting)
