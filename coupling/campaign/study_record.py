@@ -7,14 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from coupling.campaign.error_sources import UNKNOWN, coarsening_of
+from coupling.campaign.record_study import record_study
 from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry
 from coupling.campaign.theory_checks import check_rows
 from coupling.fluids import FLUIDS, by_rank
 from coupling.metrics.advice import advice, verdict
 from coupling.metrics.comparison import Errors, compare
 from coupling.metrics.pareto import pareto_front
+from coupling.metrics.record import follows_record
 from coupling.metrics.uncertainty import below, error_bars, observed_orders, shares
-from coupling.store.results import read_results
+from coupling.store.results import open_results, read_results
+from coupling.store.step_series import StepSeries
 
 Summary = Mapping[str, Any]
 MEASURED = ("kinetic_ratio", "unsteady_ratio", "dynamic_fraction", "neglected_momentum")
@@ -75,6 +78,7 @@ class StudyRecord:
             "bernoulli": self._bernoulli(best),
             "checks": check_rows(self._done, {e.row: summary for e, summary in self._as_run()}),
             "points": self._points(),
+            "record": self._record(best),
             "verdict": verdict(best, rows, bars),
             "advice": advice(best, rows, bars),
         }
@@ -141,6 +145,28 @@ class StudyRecord:
         return {
             name: {"value": value, "uncertainty": bars[name]} for name, value in measured.items()
         }
+
+    def _record(self, best: str | None) -> dict[str, Any] | None:
+        """What a study by a record says by bands of frequency; None for any other."""
+        found = self._found(best)
+        if found is None or found[1].get("status") != "completed":
+            return None
+        if not follows_record(found[0].scene):
+            return None
+        models = {entry.row: (self._steps(entry), summary) for entry, summary in self._whole()}
+        own = {
+            entry.resolution: self._steps(entry)
+            for entry, summary in self._of_reference(best)
+            if summary.get("status") == "completed"
+        }
+        return record_study(found[0].scene, found[0].row, models, own, self._coarsening(best))
+
+    def _whole(self) -> list[tuple[Entry, Summary]]:
+        """The rows as run that have ended well."""
+        return [one for one in self._as_run() if one[1].get("status") == "completed"]
+
+    def _steps(self, entry: Entry) -> StepSeries:
+        return open_results(self.folder / entry.place).steps
 
     def _row(self, entry: Entry, summary: Summary, bars: Errors) -> dict[str, Any]:
         best = self.reference

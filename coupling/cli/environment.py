@@ -33,7 +33,7 @@ def info(openfoam: OpenFoamPrefix = None, as_json: AsJson = False) -> None:
     if as_json:
         print_json(values)
     else:
-        from coupling.cli.tables import print_table
+        from coupling.cli.plain_table import print_table
 
         print_table("", ("", "found"), [(name, str(value)) for name, value in values.items()])
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from coupling.cli.tables import figure, print_table
+from coupling.cli.plain_table import figure, print_table
+from coupling.cli.record_tables import print_record_study
 
 _ERRORS = {
     "shape_rms": "shape, rms / R",
@@ -36,7 +37,11 @@ def print_study(study: Mapping[str, Any], folder: Path) -> None:
     print_table(title, ("model", "wall [s]", "speedup", *heads), rows)
     if study.get("points"):
         _print_points(study["points"], [name for name in names if not name.endswith("_deg")])
-    for sentence in (study.get("verdict"), study.get("advice")):
+    record = study.get("record")
+    if record:
+        print_record_study(record, str(study.get("reference")))
+    verdict = (record or {}).get("verdict") or study.get("verdict")
+    for sentence in (verdict, study.get("advice")):
         if sentence:
             print(sentence)
 

@@ -98,7 +98,7 @@ def sweep(
 
 def _print(done: Sweep, folder: Path) -> None:
     """One row a point: values, f/f1, errors of the lesser models; failures below."""
-    from coupling.cli.tables import figure, print_table
+    from coupling.cli.plain_table import figure, print_table
 
     outcome = done.table
     lesser = [name for name in outcome["models"] if name != outcome["reference"]]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-
+from coupling.cli.plain_table import figure, print_table
+from coupling.cli.record_tables import print_bands, record_rows
 from coupling.cli.rubber_rows import rubber_rows
 from coupling.estimate.cost import run_memory, run_time
 from coupling.estimate.model_errors import Choice, estimates
@@ -19,29 +18,6 @@ from coupling.fluids import FLUIDS
 from coupling.motion.record_summary import RecordSummary
 from coupling.scene.scene import Scene
 from coupling.verify import VerifyResult
-
-
-def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table on stdout, first column left, others right."""
-    table = Table(title=title or None, title_justify="left")
-    for index, head in enumerate(heads):
-        first = index == 0
-        table.add_column(head, justify="left" if first else "right", overflow="fold", no_wrap=first)
-    for row in rows:
-        table.add_row(*row)
-    console = Console(markup=False, highlight=False, emoji=False)
-    if not console.is_terminal:
-        console.width = max(console.width, 100)
-    console.print(table)
-
-
-def figure(value: Any, digits: int = 4) -> str:
-    """A number to ``digits``, a dash where there is none, lists element by element."""
-    if value is None:
-        return "-"
-    if isinstance(value, list | tuple):
-        return ", ".join(figure(item, digits) for item in value)
-    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 def _ratio(value: Any) -> str:
@@ -65,8 +41,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("iterations a step, mean", coupling.get("iterations_mean")),
         ("iterations a step, most", coupling.get("iterations_max")),
         ("unconverged steps", coupling.get("unconverged_steps")),
-        ("CG amplitude [m]", figure(cg.get("amplitude_m")) + mark),
-        ("CG phase [deg]", figure(cg.get("phase_deg")) + mark),
+        *_motion_rows(summary, mark),
         ("hydrostatic over kinetic, thesis Eq. 4.6", _ratio(bernoulli.get("eq46_as_printed"))),
         ("... by the words of its text", _ratio(bernoulli.get("eq46_as_worded"))),
         ("... as measured", _ratio(bernoulli.get("kinetic_ratio"))),
@@ -95,9 +70,22 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     if (folder / "report.html").is_file():
         rows.append(("report", str(folder / "report.html")))
     print_table("", ("", "value"), [(name, figure(value)) for name, value in rows])
+    if summary.get("record"):
+        print_bands(summary["record"])
     rubber = summary.get("strength_verdict")
     if rubber and not rubber.startswith("Yes"):
         print(f"Would the rubber hold? {rubber}")
+
+
+def _motion_rows(summary: Mapping[str, Any], mark: str) -> list[tuple[str, Any]]:
+    """How far the CG moved; of a run by a record, which has no amplitude, rms and peaks."""
+    record, cg = summary.get("record"), summary.get("cg") or {}
+    if record:
+        return record_rows(record)
+    return [
+        ("CG amplitude [m]", figure(cg.get("amplitude_m")) + mark),
+        ("CG phase [deg]", figure(cg.get("phase_deg")) + mark),
+    ]
 
 
 def model_estimates(scene: Scene) -> dict[str, dict[str, Any]]:

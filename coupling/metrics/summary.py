@@ -15,6 +15,7 @@ from coupling.metrics.gravity_centre import neglected_momentum, neglected_moment
 from coupling.metrics.harmonic import Harmonic
 from coupling.metrics.impacts import impacts
 from coupling.metrics.mesh_fit import mesh_fit
+from coupling.metrics.record import record_statistics
 from coupling.metrics.response import cg_summary, force_summary, harmonics, moment_summary
 from coupling.metrics.rubs import rub_summary
 from coupling.metrics.strains import quantile
@@ -47,9 +48,11 @@ def summarise(
     ``cloth`` counts inner iterations of the solves that parts of steps end with;
     ``strain_tensile_p99`` is what strain stays below in 99 % of area and time.
     ``dynamic_in_band``: rms of p* at up to four times the frequency, over that of the hydrostatic
-    pressure, in the fitted periods. ``impacts``: impulses of the force, null for a motion without a
-    frequency. ``rubs`` is what had gathered at the end (``rub_summary``), ``rubbing`` its former
-    part. What cannot be said at all is null.
+    pressure, in the fitted periods. ``record``: rms, peaks, level crossings and bands of a motion
+    that follows a record (``record_statistics``), null for any other; its ``amplitude`` is half the
+    peak-to-peak range. ``impacts``: impulses of the force, null for a motion without a frequency.
+    ``rubs`` is what had gathered at the end (``rub_summary``), ``rubbing`` its former part. What
+    cannot be said at all is null.
     """
     series, strength = results.steps, scene.diaphragm.strength
     rubs = rub_summary(results, scene.diaphragm.wear_coefficient)
@@ -93,6 +96,7 @@ def summarise(
         )
         | {"dynamic_in_band": statistics.dynamic_in_band},
         "impacts": _impacts(series, scene),
+        "record": record_statistics(series, scene),
         "boundary_layer": layer_resolution(series.metrics, scene.liquid.viscosity, scene.frequency),
         "flow_mesh": mesh_fit(series.metrics),
         "energy": energy_summary(series, scene.frequency, periods),

@@ -16,6 +16,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from coupling.ports import Array
 from coupling.report.section_cut import horizontal
 from coupling.report.style import GREY, INK, LIGHT, house_style
+from coupling.report.window import Window, liveliest, rows_within
 from coupling.store.results import Results
 
 ELEVATION = 20.0
@@ -25,12 +26,14 @@ _ROUNDING = 1e-12  # of the largest pressure: a p* below it is none
 _LIGHT = np.array([-0.35, -0.55, 0.75])
 
 
-def render_picture(results: Results, path: Path | str) -> Path:
+def render_picture(results: Results, path: Path | str, window: Window | None = None) -> Path:
     """Write a picture of the diaphragm at three instants of a period, coloured by p*.
 
     The format follows the ending of ``path``. Models without a flow show the hydrostatic pressure.
+    ``window`` [s]: the part of the run to show in place of a period.
     """
-    rows, period = period_rows(results, 3), last_period_rows(results, len(results.time))
+    rows = period_rows(results, 3, window)
+    period = last_period_rows(results, len(results.time), window)
     with house_style():
         figure = Figure(figsize=(3.1 * len(rows), 3.9))
         FigureCanvasAgg(figure)
@@ -84,16 +87,21 @@ def pressure_scale(figure: Any, place: tuple[float, ...], colours: PressureColou
     bar.outline.set_visible(False)
 
 
-def period_rows(results: Results, count: int) -> list[int]:
+def period_rows(results: Results, count: int, window: Window | None = None) -> list[int]:
     """Rows of ``count`` instants spread over the last period of the shaking, else over the run.
 
     The period is that of the tank's displacement, from its last two upward zero crossings; the
     first instant is a quarter later, where the tank is farthest out. A run too short for that,
-    which also starts softly, is shown in its second half.
+    which also starts softly, is shown in its second half. A ``window`` [s] is shown from its first
+    to its last instant; of a run by a record the ``liveliest`` one.
     """
-    time = results.time
-    if len(time) <= count:
+    time, window = results.time, window or liveliest(results)
+    if len(time) <= count and window is None:
         return list(range(len(time)))
+    if window is not None:
+        inside = rows_within(time, window)
+        spread = np.linspace(0, len(inside) - 1, min(count, len(inside)))
+        return [int(inside[round(place)]) for place in spread]
     upward = _upward_crossings(results)
     if len(upward) >= 2:
         begin, end = upward[-2:]
@@ -106,15 +114,19 @@ def period_rows(results: Results, count: int) -> list[int]:
     return [int(np.argmin(np.abs(time - instant))) for instant in wanted]
 
 
-def last_period_rows(results: Results, most: int) -> list[int]:
+def last_period_rows(results: Results, most: int, window: Window | None = None) -> list[int]:
     """Rows of the last period, which ends with the run; of a run too short, its second half.
 
-    Where they are more than ``most``, every k-th, the last one among them.
+    Those of the ``window`` [s] where there is one; of a run by a record of the ``liveliest``. Where
+    they are more than ``most``, every k-th, the last one among them.
     """
     time, upward = results.time, _upward_crossings(results)
     long_enough = len(upward) >= 2
     duration = upward[-1] - upward[-2] if long_enough else 0.5 * (time[-1] - time[0])
     rows = np.flatnonzero(time > time[-1] - duration * (1.0 - 1e-9))
+    window = window or liveliest(results)
+    if window is not None:
+        rows = rows_within(time, window)
     every = -(-len(rows) // most)
     return [int(row) for row in rows[::-1][::every][::-1]] if len(rows) else [len(time) - 1]
 

@@ -23,8 +23,9 @@ from coupling.report.figures import (
 )
 from coupling.report.files import RunFiles
 from coupling.report.fold_section import fold_section
-from coupling.report.instants import sections, views
+from coupling.report.instants import sections, shown_instants, views
 from coupling.report.page import Page, Picture, Section, number
+from coupling.report.record_section import record_sections
 from coupling.report.rub_section import rub_section
 from coupling.report.run_tables import (
     cost_table,
@@ -71,7 +72,9 @@ def _sections(run: RunFiles) -> list[Section]:
     sections = [_shape(run)] if len(run.results.time) else []
     if len(run.results.time) > 1:
         energy = energy_section(run)
-        sections += [pressure_section(run), _motion(run), *([energy] if energy else [])]
+        by_record = run.summary.get("record") is not None
+        moved = record_sections(run) if by_record else [_motion(run)]
+        sections += [pressure_section(run), *moved, *([energy] if energy else [])]
     else:
         sections.append(
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])
@@ -93,9 +96,9 @@ def _shape(run: RunFiles) -> Section:
     pictures, scale = views(run)
     return Section(
         title="Diaphragm",
-        text="The tank frame, seen across the direction of shaking, at instants of the last "
-        "period, or of the second half of a short run. Below: cut in the plane of "
-        "shaking; liquid shaded, its centre of gravity a cross.",
+        text="The tank frame, seen across the direction of shaking, at instants "
+        f"{shown_instants(run)}. Below: cut in the plane of shaking; liquid shaded, its centre of "
+        "gravity a cross.",
         pictures=[*pictures, *sections(run)],
         columns=4,
         scale=scale,

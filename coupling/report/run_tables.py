@@ -40,8 +40,14 @@ def scene_tables(run: RunFiles) -> list[Table]:
     numbers = numbers_of(scene)
     derived = [
         ["First slosh frequency f₁", number(numbers.slosh_frequency, "Hz")],
-        ["f/f₁", number(numbers.frequency_ratio)],
-        ["Neglected term by the rule (f/f₁)²", percent(numbers.hydrostatic_error)],
+        *(
+            [["Highest tenth of the record’s power from, over f₁", number(numbers.frequency_ratio)]]
+            if run.summary.get("record")
+            else [
+                ["f/f₁", number(numbers.frequency_ratio)],
+                ["Neglected term by the rule (f/f₁)²", percent(numbers.hydrostatic_error)],
+            ]
+        ),
         ["Bond number", number(numbers.bond)],
         ["Weber number", number(numbers.weber)],
         ["ρbR²/(Et), b the largest body force", number(numbers.membrane_parameter)],

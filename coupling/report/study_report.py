@@ -13,6 +13,7 @@ from coupling.report.figures import model_legend, overlay
 from coupling.report.files import RunFiles, pressure_rms, read_run
 from coupling.report.instants import overlaid_sections
 from coupling.report.page import Page, Section, percent
+from coupling.report.record_section import study_sections
 from coupling.report.run_report import pressure_section, provenance, quality_section
 from coupling.report.run_tables import scene_tables
 from coupling.report.study_figures import errors_figure, front_figure
@@ -45,7 +46,9 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     ]
     runs.sort(key=lambda run: run.label != study["reference"])  # the others lie on top of it
     failed = [f"{name}: {row['failure']}" for name, row in rows.items() if row.get("failure")]
-    sections = [_errors(study), *_sources(study), *_ratios(study), *_speed(study)]
+    sections = [
+        *_by_record(study), _errors(study), *_sources(study), *_ratios(study), *_speed(study)
+    ]  # fmt: skip
     if runs:
         drawn = [run for run in runs if run.label not in _CURVELESS]
         sections += [*_curves(drawn), _shapes(drawn), *study_view(drawn, study)]
@@ -55,7 +58,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
     return Page(
         title=f"{title or folder.resolve().name}: fluid models compared",
         subtitle=f"{', '.join(rows)} · errors against {study['reference'] or 'nothing'}",
-        verdict=study.get("verdict") or study["advice"],
+        verdict=_record_verdict(study) or study.get("verdict") or study["advice"],
         explanation=_explained(study),
         alarm="; ".join(failed),
         sections=sections,
@@ -64,7 +67,7 @@ def study_page(folder: Path, study: Mapping[str, Any]) -> Page:
 
 
 def _explained(study: Mapping[str, Any]) -> str:
-    advised = study["advice"] if study.get("verdict") else ""
+    advised = study["advice"] if study.get("verdict") or _record_verdict(study) else ""
     return " ".join(
         text
         for text in (advised, _largest_source(study), _measured(study), _periodic(study))
@@ -72,10 +75,20 @@ def _explained(study: Mapping[str, Any]) -> str:
     )
 
 
+def _record_verdict(study: Mapping[str, Any]) -> str:
+    """Whether hydrostatics was enough, by band of frequency; empty of a motion with a period."""
+    return str((study.get("record") or {}).get("verdict") or "")
+
+
+def _by_record(study: Mapping[str, Any]) -> list[Section]:
+    record = study.get("record")
+    return [] if record is None else study_sections(record, study["reference"])
+
+
 def _periodic(study: Mapping[str, Any]) -> str:
     """How far the reference is from a periodic motion, where it is not one; else empty."""
     row = study["models"].get(study["reference"]) or {}
-    if not row.get("transient"):
+    if not row.get("transient") or study.get("record"):
         return ""
     drift = row.get("drift")
     if drift is None:

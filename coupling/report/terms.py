@@ -14,5 +14,6 @@ TERMS = Section(
     "momentum is the acceleration of the liquid’s centre of gravity within the tank over the "
     "tank’s own: the share of the force on the tank that hydrostatics cannot hold. CG is that "
     "centre of gravity; amplitude and phase are those of its first harmonic, the phase against "
-    "the tank’s displacement.",
+    "the tank’s displacement. Of a record, which has no period, rms is the root of the mean square "
+    "about the mean and a level crossing is counted where a signal passes a multiple of its rms.",
 )

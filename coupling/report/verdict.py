@@ -59,7 +59,6 @@ def _shortness(run: RunFiles) -> str:
 
 
 def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
-    expected = numbers_of(run.scene).hydrostatic_error
     headline = (
         f"This run assumes hydrostatic pressure and contradicts it: {percent(momentum)} of the "
         "liquid's momentum is unaccounted for."
@@ -67,10 +66,13 @@ def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
         else f"This run assumes hydrostatic pressure; {percent(momentum)} of the liquid's momentum "
         "is unaccounted for."
     )
-    rule = (
-        f" The rule (f/f₁)² expects the neglected pressure at {percent(expected)} of the "
-        "hydrostatic variation."
-    )
+    rule = ""
+    if run.summary.get("record") is None:
+        expected = numbers_of(run.scene).hydrostatic_error
+        rule = (
+            f" The rule (f/f₁)² expects the neglected pressure at {percent(expected)} of the "
+            "hydrostatic variation."
+        )
     return headline, (
         "The centre of gravity that it finds accelerates within the tank, which would take a "
         f"force that its pressure does not hold.{rule} Only a model with a flow measures the rest."
@@ -80,18 +82,25 @@ def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
 def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
     """The key figures under the verdict: name, value, remark."""
     figures = run.summary["bernoulli"]
-    cg = run.summary["cg"]["amplitude_m"]
-    transient = "transient" if run.summary["cg"].get("transient") else ""
     dynamic, unknown = figures["dynamic_fraction"] if run.has_flow else None, "no flow to measure"
     measured = "measured" if run.has_flow else unknown
-    largest = None if None in cg else max(cg)
     return [
         ("Neglected momentum", percent(figures["neglected_momentum"]), "c″ over the tank’s own"),
         ("Dynamic over hydrostatic pressure", percent(dynamic), "rms" if run.has_flow else unknown),
-        (
-            "CG amplitude in the tank",
-            number(None if largest is None else 1e3 * largest, "mm"),
-            transient,
-        ),
+        _cg_key(run),
         ("Hydrostatic over unsteady term", ratio(figures["unsteady_ratio"]), measured),
     ]
+
+
+def _cg_key(run: RunFiles) -> tuple[str, str, str]:
+    """The CG's amplitude; of a run by a record, which has none, its rms and peak."""
+    record = run.summary.get("record")
+    if record is not None:
+        found = record["signals"]["cg"]
+        axis = found["rms"].index(max(found["rms"]))
+        peak = number(1e3 * found["peak"][axis], "mm")
+        return "CG in the tank, rms", number(1e3 * found["rms"][axis], "mm"), f"peak {peak}"
+    cg = run.summary["cg"]["amplitude_m"]
+    transient = "transient" if run.summary["cg"].get("transient") else ""
+    largest = None if None in cg else 1e3 * max(cg)
+    return "CG amplitude in the tank", number(largest, "mm"), transient

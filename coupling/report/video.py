@@ -27,19 +27,22 @@ from coupling.report.picture import (
     pressure_scale,
 )
 from coupling.report.style import GREY, INK, LIGHT, house_style
+from coupling.report.window import Window, by_record, liveliest
 from coupling.store.results import Results
 
 VIDEOS = frozenset({".gif", ".mp4"})
-_INSTANTS = 100  # at most
+_INSTANTS = 100  # at most of a period
+_RATE = 25.0  # instants a second at most of a longer window
 _SECONDS = 4.0  # that it lasts at least
 _DOTS = 100  # an inch: 640 by 800 pixels, of which video formats want even numbers
 
 
-def render_video(results: Results, path: Path | str) -> Path:
+def render_video(results: Results, path: Path | str, window: Window | None = None) -> Path:
     """Write the last period as a video, ``.mp4`` or ``.gif``, and return its path.
 
     It is slowed down to four seconds where the period is shorter. Coloured by p*; models without a
-    flow show the net pressure. A run of less than two periods is shown in its second half.
+    flow show the net pressure. A run of less than two periods is shown in its second half, one by
+    a record in the ``liveliest`` second, and where a ``window`` [s] is given, that.
 
     Raises
     ------
@@ -49,7 +52,8 @@ def render_video(results: Results, path: Path | str) -> Path:
     path = Path(path)
     if not len(results.time):
         raise RunFailed(f"{path}: the run has no instant yet. Try again later.")
-    rows = last_period_rows(results, _INSTANTS)
+    most = _INSTANTS if window is None else max(_INSTANTS, round(_RATE * (window[1] - window[0])))
+    rows = last_period_rows(results, most, window)
     shown = float(results.time[rows[-1]] - results.time[rows[0]])
     rate = max(1, round(len(rows) / max(_SECONDS, shown)))
     colours = pressure_colours(results, rows)
@@ -61,7 +65,7 @@ def render_video(results: Results, path: Path | str) -> Path:
             with writer.saving(figure, str(path), _DOTS):
                 for row in rows:
                     figure.clear()
-                    _draw(figure, results, rows, row, colours)
+                    _draw(figure, results, rows, row, colours, window or liveliest(results))
                     writer.grab_frame(facecolor="white")
         except subprocess.CalledProcessError as error:
             raise RunFailed(f"{path}: ffmpeg could not write it. {error.stderr or ''}") from error
@@ -87,23 +91,32 @@ def _writer(path: Path, rate: int) -> AbstractMovieWriter:
 
 
 def _draw(
-    figure: Any, results: Results, rows: list[int], row: int, colours: PressureColours
+    figure: Any,
+    results: Results,
+    rows: list[int],
+    row: int,
+    colours: PressureColours,
+    span: Window | None,
 ) -> None:
     axes = figure.add_axes((0.02, 0.25, 0.96, 0.75), projection="3d")
     draw_tank(axes, results, row, colours)
     draw_cg(axes, results, rows, row)
     figure.text(0.03, 0.965, f"t = {results.time[row]:.3f} s", fontsize=14, color=INK)
     figure.text(0.97, 0.965, results.model, fontsize=11, color=GREY, ha="right")
-    _draw_clock(figure.add_axes((0.14, 0.165, 0.8, 0.095)), results, row)
+    _draw_clock(figure.add_axes((0.14, 0.165, 0.8, 0.095)), results, row, span)
     pressure_scale(figure, (0.28, 0.06, 0.44, 0.013), colours)
 
 
-def _draw_clock(axes: Any, results: Results, row: int) -> None:
-    """Where the tank is on its way."""
-    moved = results.tank_displacement
-    axis = int(np.argmax(np.ptp(moved, axis=0)))
-    axes.plot(results.time, 1e3 * moved[:, axis], color=LIGHT)
-    axes.plot(results.time[: row + 1], 1e3 * moved[: row + 1, axis], color=INK)
-    axes.plot(results.time[row], 1e3 * moved[row, axis], "o", color=INK)
-    axes.set(xlabel="time (s)", ylabel=f"tank, {'xyz'[axis]} (mm)")
+def _draw_clock(axes: Any, results: Results, row: int, span: Window | None) -> None:
+    """Where the tank is on its way, within ``span`` [s]; of a record how it is shaken."""
+    shaken = by_record(results)
+    moved = results.tank_acceleration if shaken else 1e3 * results.tank_displacement
+    axis, time = int(np.argmax(np.ptp(moved, axis=0))), results.time
+    axes.plot(time, moved[:, axis], color=LIGHT)
+    axes.plot(time[: row + 1], moved[: row + 1, axis], color=INK)
+    axes.plot(time[row], moved[row, axis], "o", color=INK)
+    if span is not None:
+        axes.set_xlim(*span)
+    unit = "m/s²" if shaken else "mm"
+    axes.set(xlabel="time (s)", ylabel=f"tank, {'xyz'[axis]} ({unit})")
     axes.grid(visible=False)

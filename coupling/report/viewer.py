@@ -19,7 +19,7 @@ from matplotlib import colormaps
 from coupling.fluids import ASSUMED, FLUIDS
 from coupling.ports import Array
 from coupling.report.files import RunFiles
-from coupling.report.instants import views
+from coupling.report.instants import shown_instants, views
 from coupling.report.page import Section
 from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
 from coupling.store.results import Results
@@ -53,8 +53,7 @@ def study_view(runs: Sequence[RunFiles], study: Mapping[str, Any]) -> list[Secti
     return [
         Section(
             title="Pressure on the diaphragm",
-            text=f"Pictures of {best.label}, at instants of the last period, or of the second half "
-            "of a short run.",
+            text=f"Pictures of {best.label}, at instants {shown_instants(best)}.",
             pictures=pictures,
             columns=4,
             scale=scale,
