@@ -57,6 +57,26 @@ def _in_g(rms: Array) -> str:
     return "(" + ", ".join(f"{value:.3g}" for value in rms / GRAVITY) + ")"
 
 
+class PeriodicMotion(TableMotion):
+    """The motion of one period of a ``table``, which is where it was when the period is over.
+
+    It has the velocity at time 0 that this takes; the liquid feels the acceleration alone.
+    """
+
+    def __init__(self, table: MotionTable) -> None:
+        super().__init__(table)
+        period = float(table.time[-1])
+        self._drift = super().displacement(period) / period
+
+    def displacement(self, time: float) -> Array:
+        """Second integral from time 0 [m], less its drift."""
+        return super().displacement(time) - self._drift * time
+
+    def velocity(self, time: float) -> Array:
+        """First integral [m/s], of no mean."""
+        return super().velocity(time) - self._drift
+
+
 class Psd(MotionKind):
     """A random record with given power spectral densities (``record_of``)."""
 
@@ -65,7 +85,7 @@ class Psd(MotionKind):
 
     def motion(self, section: Motion) -> TankMotion:
         """Of the record that ``section`` describes."""
-        return TableMotion(self.record(section))
+        return PeriodicMotion(self.record(section))
 
     def record(self, section: Motion) -> MotionTable:
         """The one that ``section`` describes."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coupling.metrics.record import UNITS, signals_of
+from coupling.metrics.record import signals_of
 from coupling.metrics.spectra import spectrum_of
 from coupling.ports import Array
 from coupling.report.figures import model_line
@@ -17,6 +17,7 @@ from coupling.report.style import COMPONENTS, GREY, INK, legend_above, new_figur
 from coupling.store.step_series import StepSeries
 
 LABELS = {"acceleration": "tank", "cg": "CG", "force": "force", "moment": "moment"}
+_DENSITY = {"acceleration": "(m/s²)²/Hz", "cg": "m²/Hz", "force": "N²/Hz"}
 _SMALL = 0.01  # a component below this share of the largest one is left out
 _MOST = 750  # intervals of a curve, each with its least and its largest value
 _DECADES = 1e-6  # of a spectrum's largest density: what lies below is not drawn
@@ -47,7 +48,7 @@ def history_figure(run: RunFiles, signal: Array, label: str, caption: str) -> Pi
     lower.set_xlabel("time (s)")
     legend_above(upper)
     figure.align_ylabels()
-    text = f"{caption} Every curve shows its least and largest values."
+    text = f"{caption} All peaks are drawn."
     return Picture(source=svg(figure), caption=text, alt=text)
 
 
@@ -78,8 +79,7 @@ def spectra_figure(steps: StepSeries, mark: float) -> Picture | None:
                 axes.plot(found.frequency[1:], density, line, color=colour, label=label)
         _decades(axes, largest)
         axes.axvline(mark, color=GREY, linewidth=0.8, linestyle=":")
-        unit = UNITS[name].replace("^2", "²")
-        axes.set_ylabel(f"{LABELS[name]} (({unit})²/Hz)")
+        axes.set_ylabel(f"{LABELS[name]} ({_DENSITY[name]})")
     legend_above(panels[0])
     panels[-1].set_xlabel("frequency (Hz)")
     figure.align_ylabels()

@@ -116,6 +116,12 @@ def test_steps_follow_the_record_and_repeat_with_the_seed(tmp_path: Path):
     exact = scene.motion.spectrum.rms
     assert np.all(rms <= exact * (1.0 + 1e-9))
     assert rms[2] > 0.985 * exact[2]
+    # It does not drift: where it was after a period, and with the velocity of one that goes on.
+    assert np.abs(motion.displacement(10.0)).max() < 1e-9
+    before, after = motion.velocity(0.0), motion.velocity(10.0)
+    np.testing.assert_allclose(before, after, atol=1e-9)
+    moved = [motion.displacement(time)[2] for time in np.arange(0.0, 10.0, 0.05)]
+    assert max(moved) - min(moved) < 0.2  # 1 to 20 Hz with 0.3 g rms: centimetres
 
 
 REFUSED = {
