@@ -39,9 +39,11 @@ def blocks(readme: str) -> list[str]:
 def figures(study: Mapping[str, Any]) -> dict[str, Any]:
     """What is kept of a ``study``: errors by model and figure, their bars, what was said."""
     errors = {name: row["error"] for name, row in study["models"].items() if row.get("error")}
+    record = study.get("record")
     return {
         "reference": study["reference"], "errors": errors, "uncertainty": study["uncertainty"],
         "bernoulli": study["bernoulli"], "sources": study["sources"], "verdict": study["verdict"],
+        "record": record and {key: record[key] for key in ("error", "uncertainty", "verdict")},
     }  # fmt: skip
 
 

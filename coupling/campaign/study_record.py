@@ -15,6 +15,7 @@ from coupling.metrics.advice import advice, verdict
 from coupling.metrics.comparison import Errors, compare
 from coupling.metrics.pareto import pareto_front
 from coupling.metrics.record import follows_record
+from coupling.metrics.record_verdict import by_range
 from coupling.metrics.uncertainty import below, error_bars, observed_orders, shares
 from coupling.store.results import open_results, read_results
 from coupling.store.step_series import StepSeries
@@ -68,6 +69,8 @@ class StudyRecord:
         bars = error_bars(own, self._coarsening(best))
         rows = {entry.row: self._row(entry, summary, bars) for entry, summary in self._as_run()}
         rows |= {row: _no_row(summary) for row, summary in self._failed.items()}
+        record = self._record(best)
+        said = str if record is None else by_range
         return {
             "reference": best,
             "models": rows,
@@ -78,9 +81,9 @@ class StudyRecord:
             "bernoulli": self._bernoulli(best),
             "checks": check_rows(self._done, {e.row: summary for e, summary in self._as_run()}),
             "points": self._points(),
-            "record": self._record(best),
-            "verdict": verdict(best, rows, bars),
-            "advice": advice(best, rows, bars),
+            "record": record,
+            "verdict": said(verdict(best, rows, bars)),
+            "advice": said(advice(best, rows, bars)),
         }
 
     def _as_run(self) -> list[tuple[Entry, Summary]]:

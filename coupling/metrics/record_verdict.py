@@ -52,6 +52,11 @@ def record_verdict(
     )
 
 
+def by_range(sentence: str) -> str:
+    """A ``sentence`` on amplitudes, of a record, where they are half the peak-to-peak range."""
+    return sentence.replace("amplitude", "peak-to-peak range")
+
+
 def enough(error: float | None, bar: float | None) -> bool:
     """Whether an ``error`` and the reference's own together are below what is asked for."""
     return error is not None and error + (bar or 0.0) <= ENOUGH

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import NullLocator
 
 from coupling.metrics.record import signals_of
 from coupling.metrics.spectra import spectrum_of
@@ -139,6 +140,9 @@ def band_errors_figure(record: Mapping[str, Any], signal: str) -> Picture:
     _steps_of(axes, bands, own, look)
     axes.axhline(5.0, color=GREY, linewidth=0.7)
     axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="error (%)")
+    edges = [low for low, _ in bands[1:]]
+    axes.set_xticks(edges, [f"{edge:g}" for edge in edges])
+    axes.xaxis.set_minor_locator(NullLocator())
     legend_above(axes, columns=3)
     text = (
         f"Error of the {LABELS[signal]} by band: root of the spectrum of the difference over that "

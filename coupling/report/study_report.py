@@ -33,6 +33,10 @@ _PARTS = {  # what a source of error is a run with something else of
     "coarser_diaphragm": "diaphragm’s grid", "looser_coupling": "coupling tolerance",
     "looser_diaphragm": "diaphragm’s tolerance", "lower_degree": "degree of the polynomials",
 }  # fmt: skip
+_RANGES = (
+    "A record has no amplitude: here and below, CG and force amplitude are half the peak-to-peak "
+    "ranges, which hang on one instant each. The bands of frequency above say more."
+)
 _CURVELESS = ("compliant", "inextensible")  # lies on the curve of the model it changes
 
 
@@ -113,8 +117,9 @@ def _largest_source(study: Mapping[str, Any]) -> str:
     if len(found) < 2:
         return ""
     share, source = max(found)
+    figure = "the CG’s peak-to-peak range" if study.get("record") else "the CG amplitude"
     return (
-        f"Most of what {study['reference']} itself errs by in the CG amplitude comes from its "
+        f"Most of what {study['reference']} itself errs by in {figure} comes from its "
         f"{_PARTS.get(source, source.replace('_', ' '))}: {percent(share)}."
     )
 
@@ -139,7 +144,13 @@ def _errors(study: Mapping[str, Any]) -> Section:
         if name != reference and row.get("error")
     }
     pictures = [errors_figure(errors, bars)] if errors else []
-    return Section(title="Errors", tables=[errors_table(study)], pictures=pictures, columns=1)
+    return Section(
+        title="Errors",
+        text=_RANGES if study.get("record") else "",
+        tables=[errors_table(study)],
+        pictures=pictures,
+        columns=1,
+    )
 
 
 def _sources(study: Mapping[str, Any]) -> list[Section]:

@@ -48,11 +48,6 @@ def _note(study: Mapping[str, Any]) -> str:
         f"Errors are relative to the reference’s own figure, but for the phase. {_TIMES} "
         "The last rows are the reference itself, less resolved, or stiffer. "
     )
-    if study.get("record"):
-        note += (
-            "A record has no amplitude: CG and force amplitude are half the peak-to-peak ranges, "
-            "which hang on one instant each. The bands of frequency say more. "
-        )
     if study.get("uncertainty"):
         note += (
             "± is the reference’s own error as these rows let it be estimated (Richardson: the "

@@ -115,7 +115,8 @@ def test_a_study_says_which_bands_hydrostatics_holds_in(
     assert page.sections[0].title == "By band of frequency"
     assert len(page.sections[0].tables[0].rows) == len(names) + 1
     errors = next(section for section in page.sections if section.title == "Errors")
-    assert "A record has no amplitude" in errors.tables[0].note
+    assert "A record has no amplitude" in errors.text
+    assert "amplitude" not in found["advice"] + found["verdict"] + page.explanation
     print_study(found, study)
     text = " ".join(capsys.readouterr().out.split())
     assert "errors by band of frequency" in text
