@@ -15,6 +15,7 @@ from coupling.store.step_series import StepSeries
 
 COMPARED = ("cg", "force")
 ANSWERED = 0.9  # share of the CG's power that the bands hold which the tank answers to
+_SHAKEN = 0.01  # share of the acceleration's rms from which on a band is shaken
 _NOTHING = 1e-4  # share of a signal's rms below which a band holds no signal to be wrong about
 
 Band = tuple[float, float]
@@ -30,13 +31,14 @@ def reference_bands(steps: StepSeries, mass: float) -> list[dict[str, Any]]:
 
     Of each band: rms of the tank's acceleration, of CG and force over all axes; the CG's share of
     its power; the force's rms over ``mass`` [kg] of the liquid times the acceleration's, which
-    would be 1 for a liquid that moves as one body with the tank.
+    would be 1 for a liquid that moves as one body with the tank; None where the band is not shaken.
     """
     spectra = {name: spectrum_of(steps.time, signal) for name, signal in signals_of(steps).items()}
     known = {name: one for name, one in spectra.items() if one is not None}
     if not known:
         return []
     powers = {name: _powers(one) for name, one in known.items()}
+    least = _SHAKEN * float(np.sqrt(powers["acceleration"].sum()))
     rows = []
     for index, band in enumerate(octaves(known["cg"])):
         shaken = float(np.sqrt(powers["acceleration"][index]))
@@ -49,7 +51,7 @@ def reference_bands(steps: StepSeries, mass: float) -> list[dict[str, Any]]:
                 "cg_rms_m": float(np.sqrt(powers["cg"][index])),
                 "force_rms_N": force,
                 "cg_share": float(powers["cg"][index] / max(powers["cg"].sum(), 1e-300)),
-                "force_over_ma": force / (mass * shaken) if shaken > 0.0 else None,
+                "force_over_ma": force / (mass * shaken) if shaken > least else None,
             }
         )
     return rows

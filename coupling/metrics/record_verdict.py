@@ -47,7 +47,7 @@ def record_verdict(
         return f"{where}; {said}"
     own = "" if bar.get("all") is None else f" ± {_percent(bar['all'])}"
     return (
-        f"{where}; {said} Of the whole motion of the CG it misses {_percent(whole)}{own}, "
+        f"{where}; {said} Over the whole spectrum it errs by {_percent(whole)}{own} in the CG, "
         f"against {reference}."
     )
 
