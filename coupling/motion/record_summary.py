@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from coupling.motion import MOTIONS
-from coupling.motion.table import NEAR_GRAVITY
 from coupling.ports import Array
-from coupling.scene.motion_table import MotionTable
+from coupling.scene.motion_table import NEAR_GRAVITY, MotionTable
 from coupling.scene.scene import Scene
 from coupling.scene.tables.columns import GRAVITY
 

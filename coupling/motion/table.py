@@ -10,12 +10,10 @@ from scipy.interpolate import make_interp_spline
 
 from coupling.motion.kind import MotionKind, TankMotion
 from coupling.ports import Array
-from coupling.scene.motion_table import MotionTable
+from coupling.scene.motion_table import NEAR_GRAVITY, MotionTable
 from coupling.scene.sections import Motion
 from coupling.scene.tables.columns import GRAVITY
 from coupling.scene.tables.text import TableError
-
-NEAR_GRAVITY = 0.1  # of gravity: how near to it a median is taken to contain it
 
 
 class TableMotion:

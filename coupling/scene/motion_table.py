@@ -32,6 +32,7 @@ COLUMNS = (
         for axis in "xyz"
     ),
 )
+NEAR_GRAVITY = 0.1  # of gravity: how near to it a median is taken to contain it
 _MANY = 10  # samples from which on a record's rate says something
 _GAP = 2.5  # times the median step: more than one sample is missing
 _FEW = 0.05  # share of the steps up to which longer ones are gaps, beyond it the sampling is uneven
