@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from cloth.material import ELASTOMERS
 from cloth.material import Diaphragm as Sheet
-from coupling.scene.sections import LARGEST, LEAST, Section
+from coupling.scene.sections import LARGEST, Section
 from coupling.scene.tables.text import TableError
 from coupling.scene.thickness_map import ThicknessMap, read_thickness_map
 
@@ -65,6 +65,9 @@ def _mean_of_map(given: dict[str, Any]) -> float:
     raise PydanticCustomError("cross_check", "{problems}", {"problems": "\n".join(problems)})
 
 
+_LEAST_WEAR = 1e-24  # m^2/N; rubber on a smooth wall has some 1e-16 to 1e-12
+
+
 def _wear_range(value: Any) -> Any:
     """``value`` as a tuple. Raises ``PydanticCustomError`` for what is no range of coefficients."""
     listed = list(value) if isinstance(value, list | tuple) else []
@@ -72,7 +75,7 @@ def _wear_range(value: Any) -> Any:
     if value is None or (pair and listed[0] <= listed[1]):
         return tuple(map(float, listed)) or None
     problem = (
-        f"diaphragm.wear_coefficient: must be two numbers from {LEAST:g} to {LARGEST:g}, the "
+        f"diaphragm.wear_coefficient: must be two numbers from {_LEAST_WEAR:g} to {LARGEST:g}, the "
         f"lesser first, got {str(value)[:60]}. "
         "Give the range of the depth worn off over the slip work per area [m^2/N], as measured "
         "for this rubber on this wall; rigs differ by factors."
@@ -82,7 +85,7 @@ def _wear_range(value: Any) -> Any:
 
 def _is_positive(value: Any) -> bool:
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and LEAST <= value <= LARGEST
+    return number and _LEAST_WEAR <= value <= LARGEST
 
 
 class Diaphragm(Section):
@@ -93,6 +96,8 @@ class Diaphragm(Section):
     ``thickness`` is left out and stands for the map's mean over the moulded area. A hinged rim
     turns freely, as the thesis' simple support does; a clamped one holds the moulded slope.
     """
+
+    MINUTE = ("wear_coefficient",)
 
     thickness: float = Field(
         gt=0,

@@ -8,10 +8,18 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from coupling.ports import Array
@@ -45,8 +53,11 @@ THINNEST_FILL = 1e-6  # below it the level's own formula loses its digits
 class Section(BaseModel):
     """Shared settings: frozen, typed strictly (an integer is a number), finite, no other keys.
 
-    A number is 0 or has a size from LEAST to LARGEST; so has the largest part of a vector.
+    A number is 0 or has a size from LEAST to LARGEST; so has the largest part of a vector. Keys in
+    ``MINUTE`` see to that themselves.
     """
+
+    MINUTE: ClassVar[tuple[str, ...]] = ()
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -58,7 +69,9 @@ class Section(BaseModel):
 
     @field_validator("*", mode="after")
     @classmethod
-    def _of_a_size(cls, value: Any) -> Any:
+    def _of_a_size(cls, value: Any, info: ValidationInfo) -> Any:
+        if info.field_name in cls.MINUTE:
+            return value
         parts = value if isinstance(value, tuple) else (value,)
         sizes = [abs(part) for part in parts if isinstance(part, float)]
         if sizes and max(sizes) != 0.0 and not LEAST <= max(sizes) <= LARGEST:
