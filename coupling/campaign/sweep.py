@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from coupling.campaign.study import Progress, is_complete
 from coupling.campaign.sweep_plan import POINTS, Plan, Point, SweepError
 from coupling.campaign.sweep_rows import row_of, sweep_csv, sweep_json
+from coupling.campaign.task import Task
 from coupling.estimate.cost import run_cost
 from coupling.fluids import FLUIDS
 from coupling.report import write_report
+from coupling.scene.scene import Scene
 from coupling.store.atomic import write_json, write_text
 from coupling.store.run_record import read_summary
 
@@ -47,9 +49,10 @@ def run_sweep(
     waiting = record.take_finished()
     if waiting:
         report("sweep", total - len(waiting), total, "starting the workers")
-    for point, model, summary in _outcomes(plan, waiting, record.folder, workers, scheduler):
-        record.add(point, model, summary)
-        report("sweep", record.runs, total, f"{point.name}: {model} {summary.get('status')}")
+    points = {point.name: point for point in plan.points}
+    for task, summary in outcomes(_tasks(waiting, record.folder), workers, scheduler):
+        record.add(points[task.point], task.model, summary)
+        report("sweep", record.runs, total, f"{task.point}: {task.model} {summary.get('status')}")
     content = record.write()
     write_report(record.folder)
     return content
@@ -100,22 +103,29 @@ class _Record:
         return content
 
 
-def _outcomes(
-    plan: Plan,
-    waiting: list[tuple[Point, str]],
-    folder: Path,
-    workers: int | None,
-    scheduler: str | None,
-) -> Iterator[tuple[Point, str, Summary]]:
-    if not waiting:
+def outcomes(
+    tasks: Sequence[Task], workers: int | None, scheduler: str | None
+) -> Iterator[tuple[Task, Summary]]:
+    """Each of ``tasks`` with its run's summary, as they end, on worker processes or a cluster.
+
+    ``workers``, ``scheduler``: as ``run_sweep``. Without tasks no worker is started.
+    Raises ``SweepError`` where no cluster answers.
+    """
+    if not tasks:
         return
     try:
-        from coupling.campaign.sweep_workers import Task, cluster_at, local_workers, run_tasks
+        from coupling.campaign.sweep_workers import cluster_at, local_workers, run_tasks
     except ValueError as error:  # Dask reads its settings when it is imported
         raise SweepError(f"{error}\nMend or remove that file.") from error
 
-    points = {point.name: point for point in plan.points}
-    tasks = [
+    count = min(workers or default_workers(task.scene for task in tasks), len(tasks))
+    with cluster_at(scheduler) if scheduler else local_workers(count) as client:
+        yield from run_tasks(client, tasks)
+
+
+def _tasks(waiting: Sequence[tuple[Point, str]], folder: Path) -> list[Task]:
+    """A point costs what all of its models do: the longest points go first, whole."""
+    return [
         Task(
             point=point.name,
             model=model,
@@ -125,16 +135,10 @@ def _outcomes(
         )
         for point, model in waiting
     ]
-    count = min(workers or default_workers(plan), len(tasks))
-    with cluster_at(scheduler) if scheduler else local_workers(count) as client:
-        for task, summary in run_tasks(client, tasks):
-            yield points[task.point], task.model, summary
 
 
-def default_workers(plan: Plan) -> int:
+def default_workers(scenes: Iterable[Scene]) -> int:
     """Return how many workers to start: one a core, or fewer where a flow solver takes several."""
     cores = len(os.sched_getaffinity(0))
-    taken = [
-        FLUIDS[name].cores(scene) for point in plan.points for name, scene in point.scenes.items()
-    ]
+    taken = [FLUIDS[scene.model.fluid].cores(scene) for scene in scenes]
     return max(1, cores // max(taken, default=1))

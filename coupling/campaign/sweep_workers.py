@@ -13,7 +13,6 @@ import signal
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from distributed.scheduler import KilledWorker
 
 from coupling.campaign.study import run_or_reuse
 from coupling.campaign.sweep_plan import SweepError
+from coupling.campaign.task import Task
 from coupling.fluids import FLUIDS
 from coupling.scene.scene import Scene, with_overrides
 from coupling.simulation.driver import run
@@ -32,17 +32,6 @@ _SETTINGS = {
     "distributed.comm.timeouts.connect": "60s",  # workers import for seconds on a busy machine
 }
 _ANSWER = 20.0  # seconds that a cluster has to answer
-
-
-@dataclass(frozen=True, kw_only=True)
-class Task:
-    """One run of a sweep: ``scene`` in ``folder`` (absolute); the largest ``cost`` goes first."""
-
-    point: str
-    model: str
-    scene: Scene
-    folder: Path
-    cost: float
 
 
 @contextmanager

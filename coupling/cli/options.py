@@ -32,6 +32,18 @@ Report = Annotated[
         "--report/--no-report", help="Write report.html as well; `edt report DIR` does it later."
     ),
 ]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", min=1, metavar="N", help="Worker processes; else all cores."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Use a running Dask cluster that sees the same files, such as tcp://host:8786.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 

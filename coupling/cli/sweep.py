@@ -17,6 +17,8 @@ from coupling.cli.options import (
     OpenFoamPrefix,
     Output,
     ScenePath,
+    Scheduler,
+    Workers,
     again,
     names,
     resumable,
@@ -50,18 +52,8 @@ def sweep(
     allow_command: AllowCommand = False,
     openfoam: OpenFoamPrefix = None,
     force: Force = False,
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", min=1, metavar="N", help="Worker processes; else all cores."),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="Use a running Dask cluster that sees the same files, such as tcp://host:8786.",
-        ),
-    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
     as_json: AsJson = False,
 ) -> None:
     """Run a scene over a grid of values on several fluid models: errors against the best, as maps.
