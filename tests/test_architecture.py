@@ -230,6 +230,8 @@ def test_no_fluid_model_is_named_outside_of_the_fluids():
 
 CALLED_FROM_OUTSIDE = {
     "setup",  # by Dask, of a worker's plug-in
+    "MechanicalModel",  # by the simulator that opens a Functional Mock-up Unit
+    "do_step",
     "crossing_pairs",  # by whoever judges a sheet: whether parts of it are in each other
     "membrane_stiffness",  # exact answers are made of it
     "fill_fraction_of_level",  # the inverse that the level is held against

@@ -1,0 +1,1 @@
+"""Mechanical models in the formats of others: NASTRAN, FMI and Basilisk."""
