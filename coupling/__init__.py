@@ -1,8 +1,8 @@
 """Partitioned fluid-structure interaction of spherical elastomeric diaphragm tanks.
 
 What a program or a notebook needs is here: ``load_scene``, ``run``, ``resume``, ``study``,
-``sweep`` and ``read_results``, and what they return. Each is imported when it is first asked for,
-so that importing the package costs nothing.
+``sweep``, ``identify`` and ``read_results``, and what they return. Each is imported when it is
+first asked for, so that importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from coupling.api.identification import Identification, identify
     from coupling.api.runs import FailedRun, Run, resume, run
     from coupling.api.studies import Study, study
     from coupling.api.sweeps import Sweep, sweep
@@ -19,12 +20,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FailedRun",
+    "Identification",
     "Results",
     "Run",
     "Scene",
     "SceneError",
     "Study",
     "Sweep",
+    "identify",
     "load_scene",
     "read_results",
     "resume",
@@ -34,6 +37,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "coupling.api.identification": ("Identification", "identify"),
     "coupling.api.runs": ("FailedRun", "Run", "resume", "run"),
     "coupling.api.studies": ("Study", "study"),
     "coupling.api.sweeps": ("Sweep", "sweep"),

@@ -25,6 +25,7 @@ VERBS: Registry[Callable[..., None]] = Registry(
         "resume": "coupling.cli.run:resume",
         "study": "coupling.cli.study:study",
         "sweep": "coupling.cli.sweep:sweep",
+        "identify": "coupling.cli.identify:identify",
         "report": "coupling.cli.report:report",
         "render": "coupling.cli.render:render",
         "export": "coupling.cli.export:export",

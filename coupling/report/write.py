@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from coupling.report.files import read_run
+from coupling.report.identification_report import identification_page
 from coupling.report.page import html
 from coupling.report.run_report import run_page
 from coupling.report.study_report import study_page
@@ -16,6 +17,7 @@ FILE = "report.html"
 _OF_SWEEP = {
     "title": str, "axes": list, "models": list, "reference": object, "points": int, "rows": list,
 }  # fmt: skip
+_OF_IDENTIFICATION = {"title": str, "model": str, "followed_within": float, "rows": list}
 _OF_STUDY = {
     "models": dict, "discretisation": dict, "reference": object, "advice": str,
 }  # fmt: skip
@@ -23,9 +25,10 @@ _AGAIN = "Give the same edt {} command again: it writes the file anew from the r
 
 
 def write_report(folder: Path | str) -> Path:
-    """Write ``report.html`` of a run, a study or a sweep, from its files, and return its path.
+    """Write ``report.html`` of a run, a study, a sweep or an identification; return its path.
 
-    The page is self-contained. Works for runs that failed, and for those still going.
+    It is made from the folder's files and self-contained. Works for runs that failed, and for
+    those still going.
 
     Raises
     ------
@@ -36,8 +39,12 @@ def write_report(folder: Path | str) -> Path:
     """
     folder = Path(folder)
     study, sweep = folder / "study.json", folder / "sweep.json"
+    identified = folder / "mechanical_model.json"
     with house_style():
-        if sweep.is_file():
+        if identified.is_file():
+            content = read_json(identified, _OF_IDENTIFICATION, _AGAIN.format("identify"))
+            page = identification_page(folder, content)
+        elif sweep.is_file():
             page = sweep_page(folder, read_json(sweep, _OF_SWEEP, _AGAIN.format("sweep")))
         elif study.is_file():
             page = study_page(folder, read_json(study, _OF_STUDY, _AGAIN.format("study")))

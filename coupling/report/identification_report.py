@@ -1,0 +1,159 @@
+"""The report of an identification: pendulums, what they rest on, and what they follow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coupling.report.page import Page, Picture, Section, Table, number, percent
+from coupling.report.style import BLUE, GREY, INK, ORANGE, legend_above, new_figure, svg
+
+_FIGURES = {
+    "mass_kg": "m [kg]",
+    "frequency_hz": "f [Hz]",
+    "damping_ratio": "damping ratio",
+    "pendulum_length_m": "length [m]",
+    "hinge_height_m": "hinge height [m]",
+    "spring_rate_n_m": "spring rate [N/m]",
+}
+
+
+def identification_page(folder: Path, content: Mapping[str, Any]) -> Page:
+    """Page of an identification from what its ``mechanical_model.json`` holds."""
+    rows = content["rows"]
+    known = [row for row in rows if row["failure"] is None]
+    failed = [row for row in rows if row["failure"] is not None]
+    verdict, explanation = _verdict(content, known)
+    sections = [_models(known), _checks(content, known), *map(_apparent_mass, known)]
+    if failed:
+        sections.insert(0, _failures(failed))
+    return Page(
+        title=f"{content['title'] or folder.resolve().name}: a mechanical model",
+        subtitle=f"{len(rows)} fills and amplitudes · liquid: {content['model']}",
+        verdict=verdict,
+        explanation=explanation,
+        alarm=f"{len(failed)} of {len(rows)} conditions have no model." if failed else "",
+        sections=sections,
+        footer="Figures: mechanical_model.csv and mechanical_model.json; runs: "
+        "points/<condition>/<run>; for NASTRAN, FMI and Basilisk: exports/<condition>.",
+    )
+
+
+def _verdict(content: Mapping[str, Any], known: list[Mapping[str, Any]]) -> tuple[str, str]:
+    checks = [check for row in known for check in row["validation"] if check["failure"] is None]
+    if not checks:
+        return "Nothing was held against a model.", "It takes runs that complete."
+    good = sum(bool(check["followed"]) for check in checks)
+    limit = percent(content["followed_within"])
+    worst = max(check["force_error"] or 0.0 for check in checks)
+    return (
+        f"The models follow {good} of {len(checks)} scenes that they were not fitted to within "
+        f"{limit} of the force.",
+        f"Error is the rms over time of the force that is missed over that of the force; at worst "
+        f"it is {percent(worst)}. A model holds for its own fill and amplitude.",
+    )
+
+
+def _models(known: list[Mapping[str, Any]]) -> Section:
+    head = ["Fill, amplitude, mode", "m0 [kg]", *_FIGURES.values()]
+    rows = []
+    for row in known:
+        fixed = _told(row, "fixed_mass_kg")
+        for place, mode in enumerate(row["modes"], start=1):
+            name = f"{_condition(row)}, {place}"
+            first = fixed if place == 1 else ""
+            rows.append([name, first, *(_told(mode, figure) for figure in _FIGURES)])
+    note = (
+        "± two standard errors: the larger of what the residual allows and what fits of either "
+        "sweep alone differ by. They hold neither the error of the grids nor that of the step. "
+        "Heights are above the tank’s centre, against gravity."
+    )
+    return Section(title="The pendulums", tables=[Table(head=head, rows=rows, note=note)])
+
+
+def _told(item: Mapping[str, Any], name: str) -> str:
+    return f"{number(item[name])} ± {number(item[f'{name}_error'], digits=2)}"
+
+
+def _condition(row: Mapping[str, Any]) -> str:
+    return f"{row['fill_fraction']:g}, {1e3 * row['amplitude_m']:g}\u202fmm"
+
+
+def _checks(content: Mapping[str, Any], known: list[Mapping[str, Any]]) -> Section:
+    rows = [
+        [
+            _condition(row),
+            f"{check['says']}, {1e3 * check.get('amplitude_m', row['amplitude_m']):g}\u202fmm",
+            check["failure"] or percent(check["force_error"]),
+            "" if check["followed"] is None else "yes" if check["followed"] else "no",
+        ]
+        for row in known
+        for check in (*row["validation"], *row["other_amplitudes"])
+    ]
+    limit = percent(content["followed_within"])
+    head = ["Model of", "Scene that it was not fitted to", "rms error of the force", f"≤ {limit}"]
+    orders = [
+        [
+            _condition(row),
+            *(percent(row["left_out_error"].get(str(count))) for count in (1, 2, 3)),
+            str(len(row["modes"])),
+            percent(row["coherence_least"]),
+        ]
+        for row in known
+    ]
+    heads = ["Fill, amplitude", "1 mode", "2 modes", "3 modes", "taken", "least coherence"]
+    note = (
+        "Error of the force of a sweep that was left out of the fit, by number of modes. Coherence "
+        "is 1 less the share of the force’s power that the model does not follow."
+    )
+    return Section(
+        title="How well they are followed",
+        tables=[Table(head=head, rows=rows), Table(head=heads, rows=orders, note=note)],
+    )
+
+
+def _apparent_mass(row: Mapping[str, Any]) -> Section:
+    return Section(
+        title=f"Apparent mass: {_condition(row)}",
+        pictures=[_picture(row, np.abs, "size"), _picture(row, np.angle, "phase")],
+    )
+
+
+def _picture(row: Mapping[str, Any], of: Any, what: str) -> Picture:
+    curve = {name: np.array(values) for name, values in row["apparent_mass"].items()}
+    found = curve["real_kg"] + 1j * curve["imag_kg"]
+    model = curve["model_real_kg"] + 1j * curve["model_imag_kg"]
+    figure = new_figure(height=2.7)
+    axes = figure.subplots()
+    frequency, error = curve["frequency_hz"], curve["error_kg"]
+    if what == "phase":
+        scale, label = 180.0 / np.pi, "phase of −F/a (degrees)"
+        error = error / np.maximum(np.abs(found), 1e-300)
+    else:
+        scale, label = 1.0 / row["liquid_mass_kg"], "|F/a| over the liquid’s mass"
+    axes.errorbar(
+        frequency, scale * of(found), scale * error, fmt=".", color=INK, markersize=3.5,
+        elinewidth=0.8, label="runs",
+    )  # fmt: skip
+    axes.plot(frequency, scale * of(model), color=BLUE, label="model")
+    axes.axvline(row["modes"][0]["frequency_hz"], color=ORANGE, linewidth=0.9, label="first mode")
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    axes.set(xlabel="frequency (Hz)", ylabel=label)
+    if what == "size":
+        axes.set_ylim(0.0, 1.1 * scale * max(np.abs(found).max(), np.abs(model).max()))
+    else:
+        axes.set_ylim(-190.0, 190.0)
+    legend_above(axes, columns=3)
+    text = f"Apparent mass, its {what}: both sweeps ± two standard errors, and the model."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _failures(failed: list[Mapping[str, Any]]) -> Section:
+    rows = [[_condition(row), str(row["failure"])] for row in failed]
+    return Section(
+        title="Failures",
+        tables=[Table(head=["Fill, amplitude", "Reason"], rows=rows, numbers=False)],
+    )
