@@ -11,14 +11,13 @@ import numpy as np
 from coupling.report.page import Page, Picture, Section, Table, number, percent
 from coupling.report.style import BLUE, GREY, INK, ORANGE, legend_above, new_figure, svg
 
-_FIGURES = {
-    "mass_kg": "m [kg]",
-    "frequency_hz": "f [Hz]",
-    "damping_ratio": "damping ratio",
+_WAVE = {"mass_kg": "m [kg]", "frequency_hz": "f [Hz]", "damping_ratio": "damping ratio"}
+_PENDULUM = {
     "pendulum_length_m": "length [m]",
     "hinge_height_m": "hinge height [m]",
     "spring_rate_n_m": "spring rate [N/m]",
 }
+_FINE = 400  # frequencies at which a model's curve is drawn
 
 
 def identification_page(folder: Path, content: Mapping[str, Any]) -> Page:
@@ -27,12 +26,12 @@ def identification_page(folder: Path, content: Mapping[str, Any]) -> Page:
     known = [row for row in rows if row["failure"] is None]
     failed = [row for row in rows if row["failure"] is not None]
     verdict, explanation = _verdict(content, known)
-    sections = [_models(known), _checks(content, known), *map(_apparent_mass, known)]
+    sections = [*_models(known), _checks(content, known), *map(_apparent_mass, known)]
     if failed:
         sections.insert(0, _failures(failed))
     return Page(
-        title=f"{content['title'] or folder.resolve().name}: a mechanical model",
-        subtitle=f"{len(rows)} fills and amplitudes · liquid: {content['model']}",
+        title=content["title"] or f"{folder.resolve().name}: mechanical model",
+        subtitle=f"conditions (fill and amplitude): {len(rows)} · liquid: {content['model']}",
         verdict=verdict,
         explanation=explanation,
         alarm=f"{len(failed)} of {len(rows)} conditions have no model." if failed else "",
@@ -57,25 +56,41 @@ def _verdict(content: Mapping[str, Any], known: list[Mapping[str, Any]]) -> tupl
     )
 
 
-def _models(known: list[Mapping[str, Any]]) -> Section:
-    head = ["Fill, amplitude, mode", "m0 [kg]", *_FIGURES.values()]
-    rows = []
+def _models(known: list[Mapping[str, Any]]) -> list[Section]:
+    waves, pendulums = [], []
     for row in known:
-        fixed = _told(row, "fixed_mass_kg")
+        fixed = [_told(row, "fixed_mass_kg"), "", "", _told(row, "fixed_height_m")]
+        waves.append([f"{_condition(row)}, fixed", *fixed[:3]])
+        pendulums.append([f"{_condition(row)}, fixed", "", fixed[3], ""])
         for place, mode in enumerate(row["modes"], start=1):
-            name = f"{_condition(row)}, {place}"
-            first = fixed if place == 1 else ""
-            rows.append([name, first, *(_told(mode, figure) for figure in _FIGURES)])
+            name = f"{_condition(row)}, mode {place}"
+            waves.append([name, *(_told(mode, figure) for figure in _WAVE)])
+            pendulums.append([name, *(_told(mode, figure) for figure in _PENDULUM)])
     note = (
         "± two standard errors: the larger of what the residual allows and what fits of either "
         "sweep alone differ by. They hold neither the error of the grids nor that of the step. "
         "Heights are above the tank’s centre, against gravity."
     )
-    return Section(title="The pendulums", tables=[Table(head=head, rows=rows, note=note)])
+    first = "Fill, amplitude"
+    return [
+        Section(
+            title="The modes",
+            tables=[Table(head=[first, *_WAVE.values()], rows=waves, note=note)],
+        ),
+        Section(
+            title="As pendulums and as springs",
+            tables=[Table(head=[first, *_PENDULUM.values()], rows=pendulums)],
+        ),
+    ]
 
 
 def _told(item: Mapping[str, Any], name: str) -> str:
-    return f"{number(item[name])} ± {number(item[f'{name}_error'], digits=2)}"
+    """A figure and its error, to the error's second digit."""
+    value, error = item[name], item[f"{name}_error"]
+    if not 0.0 < error < 1e-2 * abs(value):
+        return f"{number(value)} ± {number(error, digits=2)}"
+    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(error))) + 2
+    return f"{number(value, digits=digits)} ± {number(error, digits=2)}"
 
 
 def _condition(row: Mapping[str, Any]) -> str:
@@ -107,7 +122,7 @@ def _checks(content: Mapping[str, Any], known: list[Mapping[str, Any]]) -> Secti
     heads = ["Fill, amplitude", "1 mode", "2 modes", "3 modes", "taken", "least coherence"]
     note = (
         "Error of the force of a sweep that was left out of the fit, by number of modes. Coherence "
-        "is 1 less the share of the force’s power that the model does not follow."
+        "is 1 where both sweeps show the same apparent mass, less where the motion is not linear."
     )
     return Section(
         title="How well they are followed",
@@ -125,7 +140,8 @@ def _apparent_mass(row: Mapping[str, Any]) -> Section:
 def _picture(row: Mapping[str, Any], of: Any, what: str) -> Picture:
     curve = {name: np.array(values) for name, values in row["apparent_mass"].items()}
     found = curve["real_kg"] + 1j * curve["imag_kg"]
-    model = curve["model_real_kg"] + 1j * curve["model_imag_kg"]
+    even = np.linspace(curve["frequency_hz"][0], curve["frequency_hz"][-1], _FINE)
+    model = _model(row, even)
     figure = new_figure(height=2.7)
     axes = figure.subplots()
     frequency, error = curve["frequency_hz"], curve["error_kg"]
@@ -138,17 +154,27 @@ def _picture(row: Mapping[str, Any], of: Any, what: str) -> Picture:
         frequency, scale * of(found), scale * error, fmt=".", color=INK, markersize=3.5,
         elinewidth=0.8, label="runs",
     )  # fmt: skip
-    axes.plot(frequency, scale * of(model), color=BLUE, label="model")
+    axes.plot(even, scale * of(model), color=BLUE, label="model")
     axes.axvline(row["modes"][0]["frequency_hz"], color=ORANGE, linewidth=0.9, label="first mode")
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
     axes.set(xlabel="frequency (Hz)", ylabel=label)
     if what == "size":
-        axes.set_ylim(0.0, 1.1 * scale * max(np.abs(found).max(), np.abs(model).max()))
+        axes.set_yscale("log")
     else:
+        axes.axhline(0.0, color=GREY, linewidth=0.6)
         axes.set_ylim(-190.0, 190.0)
     legend_above(axes, columns=3)
     text = f"Apparent mass, its {what}: both sweeps ± two standard errors, and the model."
     return Picture(source=svg(figure), caption=text, alt=text)
+
+
+def _model(row: Mapping[str, Any], frequency: Any) -> Any:
+    """Apparent mass [kg], complex, of a row's fixed mass and modes at ``frequency`` [Hz]."""
+    mass = np.full(len(frequency), row["fixed_mass_kg"], dtype=complex)
+    for mode in row["modes"]:
+        ratio = frequency / mode["frequency_hz"]
+        damped = 1.0 + 2j * mode["damping_ratio"] * ratio
+        mass += mode["mass_kg"] * damped / (damped - ratio**2)
+    return mass
 
 
 def _failures(failed: list[Mapping[str, Any]]) -> Section:
