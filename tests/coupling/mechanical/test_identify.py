@@ -14,7 +14,7 @@ from coupling.scene.scene import SceneError, load_scene
 
 CASE = Path(__file__).parents[3] / "foam_cases" / "mechanical_model"
 COARSE = {"cloth.resolution": 6, "potential.degree": 4, "time.step": 0.03}
-# Shorter runs of longer steps, for the test's sake; with 50 steps a period the record is missed by 9 %.
+# Shorter runs of longer steps, for the test; with 50 steps a period the record is missed by 9 %.
 SHORTER = {
     "mechanical.plan.STEPS_A_PERIOD": 80,
     "mechanical.plan.CHECK_PERIODS": 5.0,
