@@ -126,6 +126,13 @@ def _print(done: Identification, folder: Path) -> None:
     ]
     heads = ("scene that was not fitted", "rms error of the force", f"within {100 * limit:g} %")
     print_table("how well they are followed", heads, checks)
+    for row in done.table["rows"]:
+        error = row.get("left_out_error", {}).get(str(len(row["modes"])), 0.0)
+        if error > done.table["linear_within"]:
+            print(
+                f"{row['condition']}: the model of one sweep misses the other by {error:.0%}: the "
+                "motion is not linear. Sway less, or raise cloth.fold_damping."
+            )
     for condition, failure in done.failures.items():
         print(f"{condition}: {failure}")
     print(f"report: {folder / 'report.html'}")

@@ -17,7 +17,7 @@ from coupling.mechanical.modal_model import ModalModel
 from coupling.mechanical.plan import Condition, Planned
 from coupling.mechanical.recording import Recording, recording_of
 from coupling.mechanical.rows import failed_row, fitted_row, model_csv
-from coupling.mechanical.validation import FOLLOWED, force_error
+from coupling.mechanical.validation import FOLLOWED, LINEAR, force_error
 from coupling.report import write_report
 from coupling.store.atomic import write_json, write_text
 from coupling.store.run_record import read_summary
@@ -54,6 +54,7 @@ def identify_all(
         "direction": scene.motion.unit_direction.tolist(),
         "radius_m": scene.tank.shell.size,
         "followed_within": FOLLOWED,
+        "linear_within": LINEAR,
         "rows": rows,
     }
     write_json(folder / FILE, content)

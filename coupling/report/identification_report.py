@@ -34,7 +34,7 @@ def identification_page(folder: Path, content: Mapping[str, Any]) -> Page:
         subtitle=f"conditions (fill and amplitude): {len(rows)} · liquid: {content['model']}",
         verdict=verdict,
         explanation=explanation,
-        alarm=f"{len(failed)} of {len(rows)} conditions have no model." if failed else "",
+        alarm=_alarm(content, known, failed),
         sections=sections,
         footer="Figures: mechanical_model.csv and mechanical_model.json; runs: "
         "points/<condition>/<run>; for NASTRAN, FMI and Basilisk: exports/<condition>.",
@@ -54,6 +54,30 @@ def _verdict(content: Mapping[str, Any], known: list[Mapping[str, Any]]) -> tupl
         f"Error is the rms over time of the force that is missed over that of the force; at worst "
         f"it is {percent(worst)}. A model holds for its own fill and amplitude.",
     )
+
+
+def _alarm(
+    content: Mapping[str, Any],
+    known: list[Mapping[str, Any]],
+    failed: list[Mapping[str, Any]],
+) -> str:
+    said = []
+    if failed:
+        rows = len(content["rows"])
+        said.append(f"{len(failed)} of {rows} conditions have no model.")
+    missed = {_condition(row): row["left_out_error"][str(len(row["modes"]))] for row in known}
+    apart = [
+        f"{condition} ({percent(error)})"
+        for condition, error in missed.items()
+        if error > content["linear_within"]
+    ]
+    if apart:
+        said.append(
+            f"The model of one sweep misses the other at {'; '.join(apart)}: the motion is not "
+            "linear there, and a model means little. Sway less, or calm the diaphragm’s short "
+            "waves (cloth.fold_damping)."
+        )
+    return " ".join(said)
 
 
 def _models(known: list[Mapping[str, Any]]) -> list[Section]:

@@ -17,7 +17,9 @@ FILE = "report.html"
 _OF_SWEEP = {
     "title": str, "axes": list, "models": list, "reference": object, "points": int, "rows": list,
 }  # fmt: skip
-_OF_IDENTIFICATION = {"title": str, "model": str, "followed_within": float, "rows": list}
+_OF_IDENTIFICATION = {
+    "title": str, "model": str, "followed_within": float, "linear_within": float, "rows": list,
+}  # fmt: skip
 _OF_STUDY = {
     "models": dict, "discretisation": dict, "reference": object, "advice": str,
 }  # fmt: skip
