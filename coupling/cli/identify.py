@@ -38,7 +38,7 @@ def _numbers(listed: str) -> tuple[float, ...]:
         ) from None
 
 
-@guarded("coupling.api.identification", "coupling.cli.tables", "coupling.cli.progress")
+@guarded("coupling.api.identification", "coupling.cli.plain_table", "coupling.cli.progress")
 def identify(
     scene_path: ScenePath,
     fill: Annotated[
@@ -95,7 +95,7 @@ def identify(
 
 def _print(done: Identification, folder: Path) -> None:
     """One row a mode, each figure with its error; what is not followed below."""
-    from coupling.cli.tables import figure, print_table
+    from coupling.cli.plain_table import figure, print_table
 
     def told(item: dict[str, float], name: str) -> str:
         return f"{figure(item[name])} +- {figure(item[f'{name}_error'], 2)}"
