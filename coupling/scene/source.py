@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -54,11 +55,14 @@ def read_toml(file: Path) -> dict[str, Any]:
         raise SceneError([f"{file}: is not valid TOML: {error}. {mend}"]) from error
 
 
+_DECIMAL = re.compile(r"[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?")  # TOML wants digits on both sides
+
+
 def apply_override(data: dict[str, Any], text: str) -> str:
     """Change ``data`` in place by ``key=value`` and return the dotted key.
 
-    The value is TOML where it parses as such, else a string. ``SceneError`` for anything else
-    than a key and a value; whether the key is known is not checked.
+    The value is TOML where it parses as such, else a number such as .5, else text. ``SceneError``
+    for anything else than a key and a value; whether the key is known is not checked.
     """
     dotted, equals, value = (part.strip() for part in text.partition("="))
     keys = dotted.split(".")
@@ -69,7 +73,7 @@ def apply_override(data: dict[str, Any], text: str) -> str:
     try:
         parsed: Any = tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
-        parsed = value
+        parsed = float(value) if _DECIMAL.fullmatch(value) else value
     table: Any = data
     for key in keys[:-1]:
         table = table.setdefault(key, {})

@@ -108,6 +108,8 @@ def test_overrides_are_toml_or_text(folder: Path):
     assert scene.motion.direction == (0.0, 1.0, 0.0)
     assert scene.title == "a = b"
     assert with_overrides(scene, ["tank.radius=0.5"]).tank.radius == 0.5
+    for text, value in ((".5", 0.5), ("5.", 5.0), ("+.5e1", 5.0)):
+        assert with_overrides(scene, [f"tank.radius={text}"]).tank.radius == value
     assert scene.tank.radius == 0.4445
 
 
