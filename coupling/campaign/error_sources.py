@@ -118,8 +118,12 @@ def refined(entries: Iterable[Entry]) -> list[Entry]:
 
 
 def coarsest(entries: Iterable[Entry]) -> list[Entry]:
-    """Return each of ``entries`` on its coarsest grid, where there is one."""
-    scenes = ((entry.row, coarsest_scene(entry.scene)) for entry in entries)
+    """Return each of ``entries`` on its coarsest grid, where there is one.
+
+    The thesis' algorithm stays out: its explicit steps of 1 ms do not end on so coarse a grid.
+    """
+    ladder = (entry for entry in entries if entry.row in FLUIDS)
+    scenes = ((entry.row, coarsest_scene(entry.scene)) for entry in ladder)
     return [Entry(row=row, resolution=COARSEST, scene=one) for row, one in scenes if one]
 
 

@@ -196,7 +196,6 @@ def test_a_real_study_of_the_cheap_models_runs_and_goes_on(small: Scene, tmp_pat
         ("hydrostatic", "doubled_step"),
         ("hydrostatic", "doubled_stiffness"),
         ("datum", "coarsest_grid"),
-        ("thesis", "coarsest_grid"),
         ("hydrostatic", "coarsest_grid"),
         ("hydrostatic", "looser_diaphragm"),
     ]
