@@ -31,18 +31,20 @@ def verdict(reference: str | None, rows: Mapping[str, Row], bars: Errors) -> str
     amplitude, bar = errors.get("cg_amplitude"), bars.get("cg_amplitude")
     if reference is None or not FLUIDS[reference].has_flow or amplitude is None:
         return ""
+    phase, turn = errors.get("cg_phase_deg"), bars.get("cg_phase_deg")
+    late = ""
+    if phase is not None and (turn is None or phase >= turn):
+        late = f"by {phase:.2g}°" + ("" if turn is None else f" ± {turn:.2g}°")
     if bar is not None and amplitude < bar:
-        return (
-            f"Hydrostatics errs by {_percent(amplitude)} in the CG amplitude, which is within the "
-            f"{_percent(bar)} that {reference} itself may err by: no difference can be resolved."
+        unresolved = (
+            f"{_percent(amplitude)} in the CG amplitude, which is within the {_percent(bar)} that "
+            f"{reference} itself may err by"
         )
+        if late:
+            return f"Hydrostatics errs {late} in the CG phase, against {reference}, and by {unresolved}."
+        return f"Hydrostatics errs by {unresolved}: no difference can be resolved."
     said = f"Hydrostatics errs by {_with_bar(amplitude, bar)} in the CG amplitude"
-    phase, bar = errors.get("cg_phase_deg"), bars.get("cg_phase_deg")
-    if phase is not None and (bar is None or phase >= bar):
-        said += (
-            f" and by {phase:.2g}°" + ("" if bar is None else f" ± {bar:.2g}°") + " in its phase"
-        )
-    return f"{said}, against {reference}."
+    return said + (f" and {late} in its phase" if late else "") + f", against {reference}."
 
 
 def advice(reference: str | None, rows: Mapping[str, Row], bars: Errors | None = None) -> str:

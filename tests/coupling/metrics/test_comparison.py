@@ -158,7 +158,11 @@ def test_the_verdict_is_hydrostatics_error_with_its_bar() -> None:
     rows["hydrostatic"]["error"]["cg_phase_deg"] = 42.0
     assert "42° ± 5° in its phase" in verdict("openfoam", rows, {"cg_phase_deg": 5.0})
     assert "phase" not in verdict("openfoam", rows, {"cg_phase_deg": 50.0})
-    assert "no difference can be resolved" in verdict("openfoam", rows, {"cg_amplitude": 0.2})
+    late = verdict("openfoam", rows, {"cg_amplitude": 0.2, "cg_phase_deg": 5.0})
+    assert late.startswith("Hydrostatics errs by 42° ± 5° in the CG phase, against openfoam, and ")
+    assert "within the 20\u202f% that openfoam itself may err by" in late
+    unresolved = verdict("openfoam", rows, {"cg_amplitude": 0.2, "cg_phase_deg": 50.0})
+    assert "no difference can be resolved" in unresolved
     assert verdict("hydrostatic", rows, {}) == ""
 
 
