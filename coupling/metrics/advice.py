@@ -41,7 +41,8 @@ def verdict(reference: str | None, rows: Mapping[str, Row], bars: Errors) -> str
             f"{reference} itself may err by"
         )
         if late:
-            return f"Hydrostatics errs {late} in the CG phase, against {reference}, and by {unresolved}."
+            against = f"in the CG phase, against {reference}"
+            return f"Hydrostatics errs {late} {against}, and by {unresolved}."
         return f"Hydrostatics errs by {unresolved}: no difference can be resolved."
     said = f"Hydrostatics errs by {_with_bar(amplitude, bar)} in the CG amplitude"
     return said + (f" and {late} in its phase" if late else "") + f", against {reference}."
