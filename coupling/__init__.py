@@ -1,8 +1,8 @@
 """Partitioned fluid-structure interaction of spherical elastomeric diaphragm tanks.
 
 What a program or a notebook needs is here: ``load_scene``, ``run``, ``resume``, ``study``,
-``sweep``, ``identify`` and ``read_results``, and what they return. Each is imported when it is
-first asked for, so that importing the package costs nothing.
+``sweep``, ``design``, ``identify`` and ``read_results``, and what they return. Each is imported
+when it is first asked for, so that importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from coupling.api.designs import Design, design
     from coupling.api.identification import Identification, identify
     from coupling.api.runs import FailedRun, Run, resume, run
     from coupling.api.studies import Study, study
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from coupling.store.results import Results, read_results
 
 __all__ = [
+    "Design",
     "FailedRun",
     "Identification",
     "Results",
@@ -27,6 +29,7 @@ __all__ = [
     "SceneError",
     "Study",
     "Sweep",
+    "design",
     "identify",
     "load_scene",
     "read_results",
@@ -37,6 +40,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "coupling.api.designs": ("Design", "design"),
     "coupling.api.identification": ("Identification", "identify"),
     "coupling.api.runs": ("FailedRun", "Run", "resume", "run"),
     "coupling.api.studies": ("Study", "study"),

@@ -14,6 +14,7 @@ from coupling.store.run_folder import check_scene_outside, default_folder
 
 Changes = Sequence[str] | Mapping[str, Any]
 Progress = Callable[[str, float, float, str], None]
+_COUNTS = {1: "one", 2: "two"}
 
 
 def scene_of(scene: Scene | str | Path, changes: Changes = ()) -> Scene:
@@ -68,15 +69,16 @@ def check_installed(scene: Scene, models: Iterable[str], *, start: bool = True) 
             FLUIDS[name].check_installed(scene, start=start)
 
 
-def chosen_models(models: Sequence[str] | None) -> tuple[str, ...]:
-    """Return ``models``, all of them if None; ``SceneError`` unless two or more different ones."""
+def chosen_models(models: Sequence[str] | None, *, least: int = 2) -> tuple[str, ...]:
+    """Return ``models``, all if None; ``SceneError`` unless ``least`` or more different ones."""
     if models is None:
         return FLUIDS.names
     unknown = [name for name in models if name not in FLUIDS]
-    if unknown or len(set(models)) < max(2, len(models)):
+    count = _COUNTS[least]
+    if unknown or len(set(models)) < max(least, len(models)):
         raise SceneError(
             [
-                f"--models: must be two or more different ones of {', '.join(FLUIDS)}, "
+                f"--models: must be {count} or more different ones of {', '.join(FLUIDS)}, "
                 f"got '{','.join(models)}'."
             ]
         )

@@ -20,10 +20,11 @@ from coupling.api.start import (
     folder_for,
     scene_of,
 )
-from coupling.api.units import dataset_along, unit_of_figure
+from coupling.api.units import dataset_along
 from coupling.campaign.error_sources import planned_runs
 from coupling.campaign.same_plan import check_same_plan
 from coupling.campaign.study_plan import study_rows
+from coupling.campaign.wanted import unit_of_figure
 from coupling.scene.scene import Scene
 from coupling.store.folder_lock import held
 from coupling.store.run_folder import prepare_folder

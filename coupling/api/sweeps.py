@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,15 +11,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coupling.api.runs import Run
-from coupling.api.start import Changes, Progress, check_installed, chosen_models, folder_for
+from coupling.api.start import (
+    Changes,
+    Progress,
+    check_installed,
+    chosen_models,
+    folder_for,
+    scene_of,
+)
 from coupling.api.units import dataset_along
 from coupling.campaign.same_plan import check_same_plan
 from coupling.campaign.sweep_plan import POINTS, Axis, parse_axis, plan_sweep
+from coupling.campaign.wanted import check_wanted
 from coupling.fluids import ASSUMED, FLUIDS
 from coupling.ports import AnyArray
 from coupling.scene.reference import unit_of_key
 from coupling.scene.scene import tables_of
 from coupling.scene.source import as_texts
+from coupling.store.atomic import replacing
 from coupling.store.folder_lock import held
 from coupling.store.run_folder import prepare_folder
 from coupling.store.run_record import read_summary
@@ -27,7 +36,8 @@ from coupling.store.run_record import read_summary
 if TYPE_CHECKING:
     import xarray as xr
 
-SWEEP_FILES = frozenset({"sweep.json", "sweep.csv", "report.html", "points"})
+NETCDF = "sweep.nc"
+SWEEP_FILES = frozenset({"sweep.json", "sweep.csv", NETCDF, "report.html", "points"})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +74,8 @@ class Sweep:
     def to_xarray(self) -> xr.Dataset:
         """Return every figure over the axes of the sweep and ``model``, with units.
 
-        Errors are against each point's best model. NaN stands where a run failed. A coordinate is
+        Errors are against each point's best model; figures that were wanted have their dotted
+        names, and errors are left out beside them. NaN stands where a run failed. A coordinate is
         named as the scene's key: ``dataset["motion.frequency"]``; a list of numbers is a text.
         """
         axes = self.table["axes"]
@@ -94,7 +105,9 @@ def _label(value: Any) -> Any:
 
 
 def _figures(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The figures of a model's row, one by one."""
+    """The figures of a model's row, one by one; those wanted alone where there are any."""
+    if row.get("wanted"):
+        return {"wall_s": row["wall_s"], **row["wanted"]}
     moved = (row["cg"] or {}).get("amplitude_m") or [None] * 3
     along = {f"cg_{axis}_m": value for axis, value in zip("xyz", moved, strict=True)}
     return {"wall_s": row["wall_s"], **row["error"], **along, **(row["bernoulli"] or {})}
@@ -106,13 +119,14 @@ def sweep(
     models: Sequence[str] | None = None,
     out: str | Path | None = None,
     *,
+    want: Sequence[str] = (),
     changes: Changes = (),
     force: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Run a scene over a grid of values on several fluid models, in parallel.
+    """Run a scene over a grid of values on one or several fluid models, in parallel.
 
     A sweep that was stopped goes on: runs that are complete in the folder are not repeated. Worker
     processes import the main module, as ``multiprocessing`` has it: call this from a notebook, or
@@ -127,13 +141,18 @@ def sweep(
         Values by dotted key, or ``key=start:stop:count``, ``key=start:stop:count:log`` and
         ``key=a,b,c`` as on the command line. All combinations are run.
     models : Sequence of str, optional
-        Two or more fluid models; hydrostatics and the next better one if left out.
+        Two or more fluid models; hydrostatics and the next better one if left out. With ``want``
+        one is enough, the scene's own if left out; a single one has no errors.
     out : str or Path, optional
         Folder of the results; ``runs/NAME-sweep`` after the scene's file if left out.
     workers : int, optional
         Number of worker processes; one for each core if left out.
     scheduler : str, optional
         Address of a running Dask cluster that sees the same files, in place of worker processes.
+    want : Sequence of str
+        Figures of ``summary.json`` by their dotted names, as ``rubs.self_work_max_J_per_m2``, of a
+        list by index from 0, as ``cg.amplitude_m.0``. ``sweep.csv`` then has one row a run, with
+        these, and ``sweep.nc`` (netCDF 3) holds ``to_xarray``.
     changes, force, progress
         As ``run``; progress counts runs.
 
@@ -144,12 +163,16 @@ def sweep(
     Raises
     ------
     SceneError, SweepError, FolderError, OpenFoamMissing
-        A scene, the axes or the models are wrong, the folder holds something else, OpenFOAM is
-        needed and does not work: nothing was started. A run that fails is part of a row with its
-        reason, and among the ``failures``.
+        A scene, the axes, the models or a wanted name are wrong, the folder holds something else,
+        OpenFOAM is needed and does not work: nothing was started. A run that fails is part of a
+        row with its reason, and among the ``failures``.
     """
-    chosen = chosen_models(_assumed_and_next() if models is None else models)
+    if models is None:
+        models = [scene_of(scene, changes).model.fluid] if want else _assumed_and_next()
+    chosen = chosen_models(models, least=1 if want else 2)
     plan = plan_sweep(Path(scene), as_texts(changes), _axes(over), chosen)
+    for one in plan.points[0].scenes.values():
+        plan = replace(plan, wanted=check_wanted(want, one))
     for point in plan.points:
         for model, one in point.scenes.items():
             check_installed(one, [model])
@@ -162,7 +185,12 @@ def sweep(
         from coupling.campaign.sweep import run_sweep
 
         table = run_sweep(plan, folder, workers=workers, scheduler=scheduler, progress=progress)
-    return Sweep(folder=folder, table=table)
+        done = Sweep(folder=folder, table=table)
+        if want:
+            with replacing(folder / NETCDF) as part:
+                # SciPy's netCDF 3 has all that a table of numbers needs, and takes no package more
+                done.to_xarray().to_netcdf(part, engine="scipy")
+    return done
 
 
 def _assumed_and_next() -> tuple[str, ...]:

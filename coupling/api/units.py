@@ -7,15 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from coupling.campaign.wanted import unit_of_figure
+
 if TYPE_CHECKING:
     import xarray as xr
-
-_ENDINGS = {"_deg": "degree", "_m": "m", "_N": "N", "_s": "s", "slosh_frequency": "Hz"}
-
-
-def unit_of_figure(name: str) -> str:
-    """Return the unit of a figure by its name; "1" for a relative one."""
-    return next((unit for ending, unit in _ENDINGS.items() if name.endswith(ending)), "1")
 
 
 def dataset_along(dimension: str, rows: Mapping[str, Mapping[str, Any]]) -> xr.Dataset:

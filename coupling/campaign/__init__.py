@@ -1,1 +1,1 @@
-"""Many runs: studies, sweeps, and the model that a scene leaves to choose."""
+"""Many runs: studies, sweeps, design curves, and the model that a scene leaves to choose."""

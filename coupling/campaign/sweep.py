@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import logging
-import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from coupling.campaign.parallel import Summary, Task, in_parallel
 from coupling.campaign.study import Progress, is_complete
-from coupling.campaign.sweep_plan import POINTS, Plan, Point, SweepError
+from coupling.campaign.sweep_plan import POINTS, Plan, Point
 from coupling.campaign.sweep_rows import row_of, sweep_csv, sweep_json
-from coupling.campaign.task import Task
+from coupling.campaign.time_left import TimeLeft
 from coupling.estimate.cost import run_cost
-from coupling.fluids import FLUIDS
 from coupling.report import write_report
-from coupling.scene.scene import Scene
 from coupling.store.atomic import write_json, write_text
 from coupling.store.run_record import read_summary
 
 FILE, TABLE = "sweep.json", "sweep.csv"
 _log = logging.getLogger(__name__)
-
-Summary = dict[str, Any]
 
 
 def run_sweep(
@@ -47,15 +43,24 @@ def run_sweep(
     record = _Record(plan, Path(folder).resolve())
     total = len(plan.points) * len(plan.models)
     waiting = record.take_finished()
+    left, to_come = TimeLeft(), sum(map(_cost, waiting))
     if waiting:
         report("sweep", total - len(waiting), total, "starting the workers")
-    points = {point.name: point for point in plan.points}
-    for task, summary in outcomes(_tasks(waiting, record.folder), workers, scheduler):
-        record.add(points[task.point], task.model, summary)
-        report("sweep", record.runs, total, f"{task.point}: {task.model} {summary.get('status')}")
+    for point, model, summary in _outcomes(plan, waiting, record.folder, workers, scheduler):
+        record.add(point, model, summary)
+        cost = _cost((point, model))
+        left.took(cost)
+        to_come -= cost
+        text = f"{point.name}: {model} {summary.get('status')}{left.told(to_come)}"
+        report("sweep", record.runs, total, text)
     content = record.write()
     write_report(record.folder)
     return content
+
+
+def _cost(run: tuple[Point, str]) -> float:
+    point, model = run
+    return run_cost(point.scenes[model], model)
 
 
 class _Record:
@@ -91,7 +96,8 @@ class _Record:
         known[model] = summary
         if len(known) == len(self.plan.models):
             ordered = {name: known[name] for name in self.plan.models}
-            self._rows[point.name] = row_of(point, self.folder / POINTS / point.name, ordered)
+            place = self.folder / POINTS / point.name
+            self._rows[point.name] = row_of(point, place, ordered, self.plan.wanted)
 
     def write(self) -> dict[str, Any]:
         """Write ``sweep.json`` and ``sweep.csv``; return what the former holds."""
@@ -103,29 +109,15 @@ class _Record:
         return content
 
 
-def outcomes(
-    tasks: Sequence[Task], workers: int | None, scheduler: str | None
-) -> Iterator[tuple[Task, Summary]]:
-    """Each of ``tasks`` with its run's summary, as they end, on worker processes or a cluster.
-
-    ``workers``, ``scheduler``: as ``run_sweep``. Without tasks no worker is started.
-    Raises ``SweepError`` where no cluster answers.
-    """
-    if not tasks:
-        return
-    try:
-        from coupling.campaign.sweep_workers import cluster_at, local_workers, run_tasks
-    except ValueError as error:  # Dask reads its settings when it is imported
-        raise SweepError(f"{error}\nMend or remove that file.") from error
-
-    count = min(workers or default_workers(task.scene for task in tasks), len(tasks))
-    with cluster_at(scheduler) if scheduler else local_workers(count) as client:
-        yield from run_tasks(client, tasks)
-
-
-def _tasks(waiting: Sequence[tuple[Point, str]], folder: Path) -> list[Task]:
-    """A point costs what all of its models do: the longest points go first, whole."""
-    return [
+def _outcomes(
+    plan: Plan,
+    waiting: list[tuple[Point, str]],
+    folder: Path,
+    workers: int | None,
+    scheduler: str | None,
+) -> Iterator[tuple[Point, str, Summary]]:
+    points = {point.name: point for point in plan.points}
+    tasks = [
         Task(
             point=point.name,
             model=model,
@@ -135,10 +127,5 @@ def _tasks(waiting: Sequence[tuple[Point, str]], folder: Path) -> list[Task]:
         )
         for point, model in waiting
     ]
-
-
-def default_workers(scenes: Iterable[Scene]) -> int:
-    """Return how many workers to start: one a core, or fewer where a flow solver takes several."""
-    cores = len(os.sched_getaffinity(0))
-    taken = [FLUIDS[scene.model.fluid].cores(scene) for scene in scenes]
-    return max(1, cores // max(taken, default=1))
+    for task, summary in in_parallel(tasks, workers, scheduler):
+        yield points[task.point], task.model, summary

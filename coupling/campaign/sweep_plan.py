@@ -58,11 +58,12 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """All that a sweep runs: every one of ``points`` with every one of ``models``."""
+    """All that a sweep runs, each point with each model, and ``wanted`` figures by dotted name."""
 
     axes: tuple[Axis, ...]
     models: tuple[str, ...]
     points: tuple[Point, ...]
+    wanted: tuple[str, ...] = ()
 
     @property
     def runs(self) -> dict[Path, Scene]:
@@ -179,6 +180,14 @@ def plan_sweep(
         raise SceneError(_told(problems, keys))
     _check_names(points)
     return Plan(axes=tuple(axes), models=tuple(models), points=tuple(points))
+
+
+def point_at(
+    scene_path: Path, changes: Sequence[str], values: dict[str, Value], models: Sequence[str]
+) -> Point:
+    """Return one point by its ``values``; raises ``SceneError`` where its scene is invalid."""
+    scenes = {model: _scene_at(scene_path, changes, values, model) for model in models}
+    return Point(name=_name(values), values=values, scenes=scenes)
 
 
 def _check_size(

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from coupling.campaign.sweep_plan import Plan, Point
+from coupling.campaign.wanted import figure_at
 from coupling.estimate.numbers import numbers_of
 from coupling.fluids import FLUIDS
 from coupling.metrics.comparison import NAMES, compare
@@ -19,17 +20,23 @@ _OF_A_MODEL = ("status", "wall_s", "failure")
 
 
 def row_of(
-    point: Point, folder: Path, summaries: Mapping[str, Mapping[str, Any]]
+    point: Point,
+    folder: Path,
+    summaries: Mapping[str, Mapping[str, Any]],
+    wanted: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The row of a point whose models have all run, into ``folder/<model>``, or failed.
 
-    Errors are those of a study, against the highest model that completed here. ``failure`` is None
-    where all of them did.
+    Errors are those of a study, against the highest model that completed here; a sweep of one model
+    has none. ``failure`` is None where all of them did. ``wanted``: dotted names of the figures of
+    each summary that go into the row as they are.
     """
     models = list(summaries)
     best = _highest(name for name in models if summaries[name].get("status") == "completed")
+    if len(models) < 2:
+        best = None
     scene = point.scenes[models[0]]
-    rows = {name: _model_row(summaries[name]) for name in models}
+    rows = {name: _model_row(summaries[name], wanted) for name in models}
     for name, row in rows.items():
         try:
             if best is not None and row["failure"] is None:
@@ -54,9 +61,10 @@ def _highest(models: Iterable[str]) -> str | None:
     return max(models, key=FLUIDS.rank, default=None)
 
 
-def _model_row(summary: Mapping[str, Any]) -> dict[str, Any]:
+def _model_row(summary: Mapping[str, Any], wanted: Sequence[str]) -> dict[str, Any]:
     failed = summary.get("status") != "completed"
     return {
+        "wanted": {name: None if failed else figure_at(summary, name) for name in wanted},
         "status": summary.get("status"),
         "failure": (summary.get("error") or "no reason was given") if failed else None,
         "wall_s": summary.get("wall_s"),
@@ -78,15 +86,39 @@ def sweep_json(plan: Plan, title: str, rows: Sequence[Mapping[str, Any]]) -> dic
             for axis in plan.axes
         ],
         "models": list(plan.models),
-        "reference": _highest(plan.models),
+        "reference": _highest(plan.models) if len(plan.models) > 1 else None,
+        "wanted": list(plan.wanted),
         "points": len(plan.points),
         "rows": list(rows),
     }
 
 
 def sweep_csv(content: Mapping[str, Any]) -> str:
-    """The rows of ``sweep_json`` as comma-separated values, one column a figure."""
-    lines = [_flat(row) for row in content["rows"]]
+    """The rows of ``sweep_json`` as comma-separated values, one column a figure.
+
+    With figures that were wanted one line a run, which has these alone; else one a point.
+    """
+    if content.get("wanted"):
+        return table_csv([line for row in content["rows"] for line in tidy(row)])
+    return table_csv([_flat(row) for row in content["rows"]])
+
+
+def tidy(row: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """One line a run of a point's ``row``: keys, model, status, wanted figures, failure."""
+    return [
+        {
+            **row["values"],
+            "model": model,
+            "status": figures["status"],
+            **figures["wanted"],
+            "failure": figures["failure"],
+        }
+        for model, figures in row["models"].items()
+    ]
+
+
+def table_csv(lines: Sequence[Mapping[str, Any]]) -> str:
+    """Return ``lines`` by column as comma-separated values below their heads."""
     heads = list(dict.fromkeys(name for line in lines for name in line))
     text = io.StringIO()
     writer = csv.DictWriter(text, heads, lineterminator="\n")

@@ -1,6 +1,6 @@
 """Runs in parallel on Dask: worker processes of this machine, or a cluster by its address.
 
-The only module that knows Dask. It takes a second to import, so nothing imports it but a sweep
+The only module that knows Dask. It takes a second to import, so nothing imports it but a campaign
 that has something to run.
 """
 
@@ -11,7 +11,7 @@ import logging
 import os
 import signal
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -20,9 +20,9 @@ import dask
 from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, as_completed
 from distributed.scheduler import KilledWorker
 
+from coupling.campaign.parallel import Task, no_more
 from coupling.campaign.study import run_or_reuse
 from coupling.campaign.sweep_plan import SweepError
-from coupling.campaign.task import Task
 from coupling.fluids import FLUIDS
 from coupling.scene.scene import Scene, with_overrides
 from coupling.simulation.driver import run
@@ -76,17 +76,28 @@ def cluster_at(address: str) -> Iterator[Client]:
         yield client
 
 
-def run_tasks(client: Client, tasks: Sequence[Task]) -> Iterator[tuple[Task, dict[str, Any]]]:
+def run_tasks(
+    client: Client, tasks: Sequence[Task], more: Callable[[], Sequence[Task]] = no_more
+) -> Iterator[tuple[Task, dict[str, Any]]]:
     """Each task with its run's summary, as they end; of a failure the status and the reason.
 
-    A run that is complete in its folder is not repeated, one that was stopped goes on.
+    A run that is complete in its folder is not repeated, one that was stopped goes on. After each
+    result ``more`` says what is to be run as well.
     """
-    futures = {
-        client.submit(run_task, task.scene, task.folder, priority=task.cost, pure=False): task
-        for task in sorted(tasks, key=lambda task: -task.cost)
-    }
-    for future in as_completed(list(futures)):
-        yield futures[future], outcome_of(future)
+    futures: dict[Future[Any], Task] = {}
+
+    def submitted(new: Sequence[Task]) -> list[Future[Any]]:
+        begun = {
+            client.submit(run_task, task.scene, task.folder, priority=task.cost, pure=False): task
+            for task in sorted(new, key=lambda task: -task.cost)
+        }
+        futures.update(begun)
+        return list(begun)
+
+    ended = as_completed(submitted(tasks))
+    for future in ended:
+        yield futures.pop(future), outcome_of(future)
+        ended.update(submitted(more()))
 
 
 def outcome_of(future: Future[Any]) -> dict[str, Any]:

@@ -26,6 +26,7 @@ VERBS: Registry[Callable[..., None]] = Registry(
         "study": "coupling.cli.study:study",
         "sweep": "coupling.cli.sweep:sweep",
         "identify": "coupling.cli.identify:identify",
+        "design": "coupling.cli.design:design",
         "report": "coupling.cli.report:report",
         "render": "coupling.cli.render:render",
         "export": "coupling.cli.export:export",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -44,7 +45,19 @@ def sweep(
         str | None,
         typer.Option(
             "--models",
-            help="Fluid models, separated by commas; hydrostatics and the next if not given.",
+            help="Fluid models, separated by commas; hydrostatics and the next if not given, with "
+            "--want the scene's own.",
+        ),
+    ] = None,
+    want: Annotated[
+        str | None,
+        typer.Option(
+            "--want",
+            metavar="FIGURES",
+            help="Figures of summary.json, separated by commas: their dotted names, of a list by "
+            "index from 0: cg.amplitude_m.0,rubs.self_work_max_J_per_m2. sweep.csv then has one "
+            "row a run with these alone, sweep.nc (netCDF) the same over the axes; one model is "
+            "enough.",
         ),
     ] = None,
     output: Output = None,
@@ -56,7 +69,7 @@ def sweep(
     scheduler: Scheduler = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a scene over a grid of values on several fluid models: errors against the best, as maps.
+    """Run a scene over a grid of values: errors of fluid models against the best, or any figures.
 
     The same command goes on with a sweep that was stopped: what is complete is not run again.
     A model that fails at a point is a row with its reason.
@@ -72,6 +85,7 @@ def sweep(
             over,
             None if models is None else names(models),
             folder,
+            want=() if want is None else names(want),
             changes=changes or (),
             force=force,
             workers=workers,
@@ -83,7 +97,7 @@ def sweep(
     else:
         _print(done, folder)
     rows = done.table["rows"]
-    if not any(row["reference"] for row in rows):
+    if not any(one["failure"] is None for row in rows for one in row["models"].values()):
         first = rows[0]["failure"]
         stop(f"{folder}: no run completed. The first: {first}", ExitStatus.FAILED)
 
@@ -93,6 +107,9 @@ def _print(done: Sweep, folder: Path) -> None:
     from coupling.cli.plain_table import figure, print_table
 
     outcome = done.table
+    if outcome["wanted"]:
+        _print_wanted(outcome, folder)
+        return
     lesser = [name for name in outcome["models"] if name != outcome["reference"]]
     keys = [axis["key"] for axis in outcome["axes"]]
     rows = []
@@ -112,4 +129,20 @@ def _print(done: Sweep, folder: Path) -> None:
     print_table(title, (*keys, "f/f1", *heads, ""), rows)
     for point, failure in done.failures.items():
         print(f"{point}: {failure}")
+    print(f"report: {folder / 'report.html'}")
+
+
+def _print_wanted(outcome: Mapping[str, Any], folder: Path) -> None:
+    """One row a run: values, model, status, the figures that were wanted; failures below."""
+    from coupling.campaign.sweep_rows import tidy
+    from coupling.cli.plain_table import figure, print_table
+
+    lines = [line for row in outcome["rows"] for line in tidy(row)]
+    heads = [name for name in lines[0] if name != "failure"]
+    print_table(f"in {folder}", heads, [[figure(line[name]) for name in heads] for line in lines])
+    for line in lines:
+        if line["failure"]:
+            place = ", ".join(f"{axis['key']} {line[axis['key']]}" for axis in outcome["axes"])
+            print(f"{place}, {line['model']}: {line['failure']}")
+    print(f"tables: {folder / 'sweep.csv'}, {folder / 'sweep.nc'}")
     print(f"report: {folder / 'report.html'}")

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from coupling.campaign.parallel import Task, in_parallel
 from coupling.campaign.study import Progress, is_complete
-from coupling.campaign.sweep import outcomes
-from coupling.campaign.task import Task
 from coupling.estimate.cost import run_cost
 from coupling.mechanical.apparent_mass import apparent_mass
 from coupling.mechanical.exports.written import write_exports
@@ -89,7 +88,7 @@ def _run_all(
         )
         for place, run in waiting.items()
     ]
-    for task, summary in outcomes(tasks, workers, scheduler):
+    for task, summary in in_parallel(tasks, workers, scheduler):
         place = task.folder.relative_to(folder)
         done[place] = summary
         if progress is not None:

@@ -114,6 +114,20 @@ def error_curves(grid: Grid, name: str, word: str, *, ratio: bool) -> Picture:
     return Picture(source=svg(figure), caption=text + _crosses(grid), alt=text)
 
 
+def figure_curves(grid: Grid, name: str) -> Picture:
+    """A figure that was wanted against the only axis: a curve a model."""
+    figure = new_figure(height=2.6)
+    axes = figure.subplots()
+    x = grid.coordinates(0)
+    for model in grid.content["models"]:
+        axes.plot(x, grid.wanted(model, name), ".-", markersize=4, label=model)
+    _scale(axes, "x", grid.logarithmic(0))
+    axes.set(xlabel=label(grid.keys[0]), ylabel=name)
+    legend_above(axes, columns=3)
+    text = f"{name} over {grid.keys[0]}."
+    return Picture(source=svg(figure), caption=text, alt=text)
+
+
 def _family(axes: Any, grid: Grid, along: int, x: Array, error: Array) -> None:
     """A curve for each value of the other axis; with more axes, points alone."""
     if len(grid.keys) > 2:

@@ -50,7 +50,8 @@ class Grid:
     @property
     def lesser(self) -> list[str]:
         """The models that are held against the reference; hydrostatics first."""
-        names = [name for name in self.content["models"] if name != self.content["reference"]]
+        best = self.content["reference"]
+        names = [name for name in self.content["models"] if best is not None and name != best]
         return sorted(names, key=lambda name: name != ASSUMED)
 
     @property
@@ -86,6 +87,10 @@ class Grid:
                 row["models"][model]["error"].get(name) if row["reference"] == best else None
             )
         )
+
+    def wanted(self, model: str, name: str) -> Array:
+        """Return a figure of ``model`` that was wanted, by point."""
+        return self._filled(lambda row: row["models"][model]["wanted"].get(name))
 
     def number(self, name: str) -> Array:
         """Return a dimensionless number of the scene, such as ``frequency_ratio``, by point."""

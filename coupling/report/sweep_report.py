@@ -10,7 +10,7 @@ import numpy as np
 
 from coupling.metrics.advice import LEVELS
 from coupling.report.page import Page, Picture, Section, Table, number, percent
-from coupling.report.sweep_figures import error_curves, error_map
+from coupling.report.sweep_figures import error_curves, error_map, figure_curves
 from coupling.report.sweep_grid import FREQUENCY, Grid, label
 
 _WORDS = {
@@ -31,12 +31,16 @@ def sweep_page(folder: Path, content: Mapping[str, Any]) -> Page:
         sections += _figures(grid)
     if failed:
         sections.append(_failures(grid, failed))
-    sections.append(_points(grid))
+    if content.get("wanted"):
+        sections.append(_wanted(grid))
+    if grid.lesser or not content.get("wanted"):
+        sections.append(_points(grid))
     verdict, explanation = _verdict(grid)
     done = f"{len(rows)} of {content['points']} points"
+    shown = f"errors against {reference}" if reference else f"figures of {content['models'][0]}"
     return Page(
         title=f"{content['title'] or folder.resolve().name}: a sweep",
-        subtitle=f"{' × '.join(map(label, grid.keys))} · {done} · errors against {reference}",
+        subtitle=f"{' × '.join(map(label, grid.keys))} · {done} · {shown}",
         verdict=verdict,
         explanation=explanation,
         alarm=f"{len(failed)} of {len(rows)} points have a model that failed." if failed else "",
@@ -48,6 +52,9 @@ def sweep_page(folder: Path, content: Mapping[str, Any]) -> Page:
 
 def _verdict(grid: Grid) -> tuple[str, str]:
     reference = grid.content["reference"]
+    if reference is None and grid.rows:
+        completed = sum(row["failure"] is None for row in grid.rows)
+        return f"{completed} of {len(grid.rows)} runs completed.", "One model: no errors of models."
     if not grid.lesser or not grid.rows:
         return "There is nothing to compare yet.", "It takes points with two models."
     model, level = grid.lesser[0], LEVELS[1]
@@ -132,6 +139,20 @@ def _place(grid: Grid, row: Mapping[str, Any]) -> str:
 
 def _shown(value: Any) -> str:
     return number(value) if isinstance(value, float) else str(value)
+
+
+def _wanted(grid: Grid) -> Section:
+    """A table with a row a run, and a curve a figure where the only axis is one of numbers."""
+    names, rows = grid.content["wanted"], []
+    for row in grid.rows:
+        values = [_shown(row["values"][key]) for key in grid.keys]
+        for model, found in row["models"].items():
+            figures = [number(found["wanted"][name]) for name in names]
+            rows.append([*values, model, found["status"] or "–", *figures])
+    table = Table(head=[*map(label, grid.keys), "model", "status", *names], rows=rows)
+    drawn = grid.numeric and len(grid.keys) == 1 and len(rows) > 1
+    pictures = [figure_curves(grid, name) for name in names] if drawn else []
+    return Section(title="Figures that were asked for", tables=[table], pictures=pictures)
 
 
 def _points(grid: Grid) -> Section:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from coupling.report.design_report import design_page
 from coupling.report.files import read_run
 from coupling.report.identification_report import identification_page
 from coupling.report.page import html
@@ -17,6 +18,10 @@ FILE = "report.html"
 _OF_SWEEP = {
     "title": str, "axes": list, "models": list, "reference": object, "points": int, "rows": list,
 }  # fmt: skip
+_OF_DESIGN: dict[str, type | tuple[type, ...]] = {
+    "title": str, "criterion": str, "limit": (int, float), "model": str, "rows": list,
+    "searched": list,
+}  # fmt: skip
 _OF_IDENTIFICATION = {
     "title": str, "model": str, "followed_within": float, "linear_within": float, "rows": list,
 }  # fmt: skip
@@ -27,7 +32,7 @@ _AGAIN = "Give the same edt {} command again: it writes the file anew from the r
 
 
 def write_report(folder: Path | str) -> Path:
-    """Write ``report.html`` of a run, a study, a sweep or an identification; return its path.
+    """Write ``report.html`` of a run, study, sweep, design or identification; return its path.
 
     It is made from the folder's files and self-contained. Works for runs that failed, and for
     those still going.
@@ -40,7 +45,7 @@ def write_report(folder: Path | str) -> Path:
         The page cannot be written.
     """
     folder = Path(folder)
-    study, sweep = folder / "study.json", folder / "sweep.json"
+    study, sweep, design = (folder / f"{name}.json" for name in ("study", "sweep", "design"))
     identified = folder / "mechanical_model.json"
     with house_style():
         if identified.is_file():
@@ -48,6 +53,8 @@ def write_report(folder: Path | str) -> Path:
             page = identification_page(folder, content)
         elif sweep.is_file():
             page = sweep_page(folder, read_json(sweep, _OF_SWEEP, _AGAIN.format("sweep")))
+        elif design.is_file():
+            page = design_page(folder, read_json(design, _OF_DESIGN, _AGAIN.format("design")))
         elif study.is_file():
             page = study_page(folder, read_json(study, _OF_STUDY, _AGAIN.format("study")))
         else:

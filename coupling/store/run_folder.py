@@ -31,7 +31,7 @@ _RUN_FILES = frozenset(
 )
 _RUN_MARKERS = frozenset({"log.txt", "auto.json", "results.h5", "summary.json", "checkpoint.h5"})
 _CAMPAIGN_MARKERS = frozenset(
-    {"study.json", "sweep.json", "mechanical_model.json", "discretisation", "points"}
+    {"study.json", "sweep.json", "design.json", "mechanical_model.json", "discretisation", "points"}
 )
 
 
@@ -174,11 +174,11 @@ def check_resumable(folder: Path) -> None:
 def check_reportable(folder: Path) -> None:
     """``FolderError`` unless ``folder`` holds the files of a run, a study or a sweep."""
     _check_exists(folder)
-    known = ("results.h5", "study.json", "sweep.json", "mechanical_model.json")
+    known = ("results.h5", "study.json", "sweep.json", "design.json", "mechanical_model.json")
     if not any((folder / name).is_file() for name in known):
         raise FolderError(
             f"{folder}: nothing to report, none of {', '.join(known)} is there. "
-            "Give the folder of a run, a study or a sweep."
+            "Give the folder of a run, a study, a sweep or a design."
         )
 
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from coupling.campaign.study import run_study
 from coupling.cli.main import app
-from coupling.cli.tables import print_study
+from coupling.cli.study_table import print_study
 from coupling.report.files import read_run
 from coupling.report.picture import last_period_rows, period_rows
 from coupling.report.record_figures import envelope
