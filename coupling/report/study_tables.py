@@ -143,7 +143,7 @@ def checks_table(study: Mapping[str, Any]) -> Table | None:
         [
             _CHECKS[one["check"]], one["model"], number(one["frequency_ratio"], digits=2),
             number(one["computed"], digits=4), number(one["theory"], digits=4),
-            number(one["phase_deg"], "°", digits=2), percent(one["error"]),
+            number(one.get("phase_deg"), "°", digits=2), percent(one["error"]),
         ]
         for one in study.get("checks") or []
     ]  # fmt: skip
