@@ -47,12 +47,23 @@ def harmonics(steps: StepSeries, scene: Scene) -> dict[str, Harmonic]:
     }
 
 
+def shaking_frequency(steps: StepSeries, scene: Scene) -> float | None:
+    """The frequency of shaking [Hz] that a response can be read at; None without any.
+
+    None too where the tank is shaken by less than ``time.settle_tolerance`` of gravity: what the
+    diaphragm's settling has left moves the liquid as much.
+    """
+    shaken = np.linalg.norm(steps.tank_acceleration, axis=1).max(initial=0.0)
+    least = scene.time.settle_tolerance * float(np.linalg.norm(scene.gravity))
+    return scene.frequency if shaken > least else None
+
+
 def cg_summary(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) -> dict[str, Any]:
     """The summary's ``cg``; ``fits`` are the run's ``harmonics``."""
     return (
         _moving(steps.liquid_cg, fits, "cg", "m")
         | {"mean_m": _mean(steps.liquid_cg, fits), "transfer": _transfer(fits, "cg")}
-        | _steadiness(steps.time, steps.liquid_cg, scene.frequency)
+        | _steadiness(steps.time, steps.liquid_cg, shaking_frequency(steps, scene))
     )
 
 
@@ -62,7 +73,7 @@ def force_summary(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) ->
     return (
         _moving(steps.force, fits, "force", "N")
         | {"momentum_imbalance": _imbalance(steps, scene, fits)}
-        | _steadiness(steps.time, steps.force, scene.frequency)
+        | _steadiness(steps.time, steps.force, shaking_frequency(steps, scene))
         | {"peak_N": _peak(steps.force), "peak_dynamic_N": _peak(steps.force - weight)}
         | {"transfer": _transfer(fits, "force", inertia=_inertia(scene))}
     )
@@ -123,7 +134,8 @@ def _mean(signal: Array, fits: dict[str, Harmonic]) -> Any:
 
 
 def _imbalance(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) -> float | None:
-    if not scene.frequency or not fits:
+    frequency = shaking_frequency(steps, scene)
+    if frequency is None or not fits:
         return None
     return momentum_imbalance(
         steps.time,
@@ -132,6 +144,6 @@ def _imbalance(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) -> fl
         acceleration=steps.tank_acceleration,
         gravity=np.array(scene.gravity),
         mass=scene.liquid.density * scene.liquid_volume,
-        frequency=scene.frequency,
+        frequency=frequency,
         periods=fits["cg"].periods,
     )

@@ -16,7 +16,13 @@ from coupling.metrics.harmonic import Harmonic
 from coupling.metrics.impacts import impacts
 from coupling.metrics.mesh_fit import mesh_fit
 from coupling.metrics.record import record_statistics
-from coupling.metrics.response import cg_summary, force_summary, harmonics, moment_summary
+from coupling.metrics.response import (
+    cg_summary,
+    force_summary,
+    harmonics,
+    moment_summary,
+    shaking_frequency,
+)
 from coupling.metrics.rubs import rub_summary
 from coupling.metrics.strains import quantile
 from coupling.metrics.viscosity import layer_resolution
@@ -124,14 +130,15 @@ def _folds(results: Results, scene: Scene) -> dict[str, Any]:
 
 
 def _impacts(steps: StepSeries, scene: Scene) -> dict[str, Any] | None:
-    if scene.frequency is None:
+    frequency = shaking_frequency(steps, scene)
+    if frequency is None:
         return None
     return impacts(
         steps.time,
         steps.force,
         body_force=np.array(scene.gravity) - steps.tank_acceleration,
         mass=scene.liquid.density * scene.liquid_volume,
-        frequency=scene.frequency,
+        frequency=frequency,
     )
 
 

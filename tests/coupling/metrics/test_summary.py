@@ -126,6 +126,19 @@ def test_a_phasor_is_called_transient_where_it_changes_or_two_periods_are_missin
     assert (found["cg"]["drift"], found["cg"]["transient"]) == (None, None)
 
 
+def test_a_tank_that_is_hardly_shaken_has_no_figures_of_what_settling_left(tmp_path: Path) -> None:
+    run.write_run(tmp_path)
+    results = read_results(tmp_path)
+    shaken = results.steps.tank_acceleration
+    size = np.linalg.norm(shaken, axis=1).max()
+    for largest, known in ((1.1e-5, True), (0.9e-5, False)):  # a millionth of gravity: 0.98e-5
+        steps = replace(results.steps, tank_acceleration=shaken * largest / size)
+        one = replace(results, every_step=steps)
+        found = summarise(one, run.statistics(), run.scene(), "completed", None)
+        said = found["cg"]["drift"], found["force"]["momentum_imbalance"], found["impacts"]
+        assert all((part is not None) == known for part in said)
+
+
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 10])
 def test_a_run_cut_short_is_valid_json_with_null_for_what_it_cannot_say(
     tmp_path: Path, count: int
