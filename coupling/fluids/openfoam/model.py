@@ -42,7 +42,7 @@ class OpenFoamModel(FluidModel):
     has_flow = True
     has_viscosity = True
     error_law = ErrorLaw(law=inertia_wrong)
-    coarser_text = "half the cells"
+    coarser_text = "half the cells or fewer"
     kernels_of = "hydrostatic"
     instead = "take model.fluid = 'potential', which needs no mesh and no coupling iteration"
     dissipation_note = (

@@ -372,4 +372,5 @@ def test_check_says_in_words_what_lies_beyond_the_data(case: Path):
     assert "beyond the data" in result.stdout
     assert "a/g" in result.stdout
     assert "is taken" not in result.stdout
-    assert "no model keeps 1e-06 in nine scenes of ten" in " ".join(result.stdout.split())
+    text = " ".join(result.stdout.split())
+    assert "no model without a mesh keeps 1e-06 in nine scenes of ten" in text
