@@ -18,7 +18,8 @@ class PressureBand:
 
     Every node's p*, the diaphragm's mean removed, counts with the root of its share of the area
     then, so that squares add up to those of ``dynamic_pressure_rms`` (Parseval). Empty for a motion
-    without a frequency, and for a run that has no whole period.
+    without a frequency, for a run that has no whole period, and for one that was resumed with
+    another duration: what its periods held before is not kept step by step.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -61,10 +62,14 @@ class PressureBand:
         return {
             "sums": np.stack([sums.real, sums.imag]),
             "counted": np.array([self._count, self._hydrostatic]),
+            "first": np.array([self._first]),
         }
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
+        if float(saved["first"][0]) != self._first:
+            self._first = np.inf
+            return
         real, imaginary = saved["sums"]
         self._sums = real + 1j * imaginary
         self._count, self._hydrostatic = int(saved["counted"][0]), float(saved["counted"][1])

@@ -55,3 +55,12 @@ def test_restored_it_goes_on_bit_for_bit(scene):
 def test_a_run_shorter_than_a_period_has_none(scene):
     short = scene.model_copy(update={"time": scene.time.model_copy(update={"duration": 0.1})})
     assert gathered(PressureBand(short), blow=0.0) is None
+
+
+def test_a_run_that_was_made_longer_has_none(scene):
+    short = PressureBand(scene)
+    gathered(short, blow=0.0)
+    time = scene.time.model_copy(update={"duration": 2.0 * scene.time.duration})
+    longer = PressureBand(scene.model_copy(update={"time": time}))
+    longer.restore(short.save())
+    assert gathered(longer, blow=0.0, steps=range(301, 601)) is None
