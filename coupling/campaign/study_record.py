@@ -79,11 +79,17 @@ class StudyRecord:
             "sources": self._sources(best, own),
             "observed_order": observed_orders(own, self._coarsening(best)),
             "bernoulli": self._bernoulli(best),
-            "checks": check_rows(self._done, {e.row: summary for e, summary in self._as_run()}),
+            "checks": check_rows(self._done, self._completed()),
             "points": self._points(),
             "record": record,
             "verdict": said(verdict(best, rows, bars)),
             "advice": said(advice(best, rows, bars)),
+        }
+
+    def _completed(self) -> dict[str, Summary]:
+        """Summaries of the rows that have ended well as run."""
+        return {
+            e.row: summary for e, summary in self._as_run() if summary.get("status") == "completed"
         }
 
     def _as_run(self) -> list[tuple[Entry, Summary]]:

@@ -48,7 +48,7 @@ def check_rows(
 ) -> list[dict[str, Any]]:
     """Return what the checks of ``done`` found beside theory, CG amplitudes over the sway's.
 
-    ``as_run``: summaries of the study's rows, by model. ``error`` is that of the complex
+    ``as_run``: summaries of the study's completed rows, by model. ``error`` is that of the complex
     amplitude, so that it holds the phase.
     """
     rows = []
@@ -57,7 +57,8 @@ def check_rows(
             continue
         scene, found = entry.scene, _transfer(summary)
         if entry.resolution == SIMILAR:
-            exact = _transfer(as_run[scene.model.fluid])
+            whole = as_run.get(scene.model.fluid)
+            exact = None if whole is None else _transfer(whole)
         elif entry.resolution == SMALL:
             exact = small_sway(scene)
         else:

@@ -178,7 +178,7 @@ def check_reportable(folder: Path) -> None:
     if not any((folder / name).is_file() for name in known):
         raise FolderError(
             f"{folder}: nothing to report, none of {', '.join(known)} is there. "
-            "Give the folder of a run, a study, a sweep or a design."
+            "Give the folder of a run, a study, a sweep, a design or an identification."
         )
 
 
