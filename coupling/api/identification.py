@@ -88,7 +88,7 @@ def identify(
     ------
     SceneError, SweepError, FolderError, OpenFoamMissing
         The scene, the fills or amplitudes are wrong, the folder holds something else, OpenFOAM is
-        needed and does not work: nothing was started. A run that fails is told in its row.
+        needed and does not work: nothing was started. A run that fails is reported in its row.
     """
     wanted = conditions(Path(scene), as_texts(changes), fills, amplitudes)
     for condition in wanted:

@@ -53,8 +53,10 @@ def run_design(
     for task, summary in in_parallel(first, workers, scheduler, search.due):
         search.add(task, summary)
         left.took(task.cost)
-        told = left.told(task.cost * (search.expected - search.done))
-        report("design", search.done, search.expected, f"{task.point}: {summary['status']}{told}")
+        remaining = left.text(task.cost * (search.expected - search.done))
+        report(
+            "design", search.done, search.expected, f"{task.point}: {summary['status']}{remaining}"
+        )
     content = search.write()
     write_report(search.folder)
     return content

@@ -24,7 +24,7 @@ def trial_of(plan: DesignPlan, scene: Scene, summary: Mapping[str, Any]) -> Tria
         return Trial(failure=str(summary.get("error") or "no reason was given"))
     value = plan.measure.value(summary, scene)
     if value is None or not np.isfinite(value):
-        return Trial(failure=f"its summary does not tell the {plan.measure.figure}")
+        return Trial(failure=f"its summary does not give the {plan.measure.figure}")
     return Trial(value=float(value))
 
 

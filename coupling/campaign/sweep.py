@@ -51,7 +51,7 @@ def run_sweep(
         cost = _cost((point, model))
         left.took(cost)
         to_come -= cost
-        text = f"{point.name}: {model} {summary.get('status')}{left.told(to_come)}"
+        text = f"{point.name}: {model} {summary.get('status')}{left.text(to_come)}"
         report("sweep", record.runs, total, text)
     content = record.write()
     write_report(record.folder)

@@ -6,7 +6,7 @@ import time
 
 
 class TimeLeft:
-    """Tells the time left by the estimated costs of what is done and what is to come.
+    """Estimates the time left from the estimated costs of what is done and what is to come.
 
     Costs are estimates, so it is one too.
     """
@@ -19,7 +19,7 @@ class TimeLeft:
         """Count a run of this ``cost`` [s] as done."""
         self._done += cost
 
-    def told(self, cost: float) -> str:
+    def text(self, cost: float) -> str:
         """Return ", about 3 min left" where runs of ``cost`` [s] are to come; empty at the end."""
         seconds = self.seconds(cost)
         if seconds is None or seconds < 1.0:

@@ -15,7 +15,7 @@ from coupling.store.results import Results
 from coupling.store.results_layout import FIELDS, dims_of
 from coupling.store.run_record import RunStatistics
 
-_NEAREST = 3  # names that are told in place of an unknown one
+_NEAREST = 3  # names that are offered in place of an unknown one
 _ENDINGS = {
     "_J_per_m2": "J m-2", "_N_per_m": "N m-1", "_m2": "m2", "_deg": "degree", "_Pa": "Pa",
     "_Ns": "N s", "_Nm": "N m", "_J": "J", "_m": "m", "_N": "N", "_s": "s",

@@ -97,7 +97,7 @@ def _print(done: Identification, folder: Path) -> None:
     """One row a mode, each figure with its error; what is not followed below."""
     from coupling.cli.plain_table import figure, print_table
 
-    def told(item: dict[str, float], name: str) -> str:
+    def with_error(item: dict[str, float], name: str) -> str:
         return f"{figure(item[name])} +- {figure(item[f'{name}_error'], 2)}"
 
     columns = {
@@ -111,7 +111,7 @@ def _print(done: Identification, folder: Path) -> None:
     for row in done.table["rows"]:
         for place, mode in enumerate(row["modes"], start=1):
             head = [figure(row["fill_fraction"]), figure(row["amplitude_m"]), str(place)]
-            rows.append((*head, *(told(mode, name) for name in columns)))
+            rows.append((*head, *(with_error(mode, name) for name in columns)))
     title = f"modes of {done.table['model']}, in {folder}"
     print_table(title, ("fill", "amplitude [m]", "mode", *columns.values()), rows)
     limit = done.table["followed_within"]

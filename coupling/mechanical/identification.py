@@ -36,7 +36,7 @@ def identify_all(
     """Run what ``conditions`` plan into ``folder`` (absolute), then identify, check and export.
 
     A run that is complete in the folder is not repeated. A condition whose sweeps fail is a row
-    with the reason; a run to check that fails is told in its place. Returns what
+    with the reason; a run to check that fails is reported in its place. Returns what
     ``mechanical_model.json`` holds.
 
     Raises ``SweepError`` where no cluster answers, ``RunFailed`` where ``folder`` is not writable.

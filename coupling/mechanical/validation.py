@@ -9,7 +9,7 @@ from coupling.mechanical.modal_model import ModalModel
 from coupling.mechanical.recording import Recording
 
 FOLLOWED = 0.05  # rms error of the force over its rms, up to which a run counts as followed
-LINEAR = 0.1  # error of a sweep that was left out, above which the motion is told not to be linear
+LINEAR = 0.1  # error of a sweep that was left out, above which the motion is said not to be linear
 
 
 def force_error(recording: Recording, model: ModalModel) -> float | None:

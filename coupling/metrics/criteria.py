@@ -22,7 +22,7 @@ class Criterion:
     """A figure of a run that is to stay below a limit.
 
     ``figure``: what it is, with its unit; ``reservation``: what the figure is known to leave open;
-    ``value``: of a completed run's summary and scene, None where the run does not tell; ``badness``
+    ``value``: of a completed run's summary and scene, None where the run has none; ``badness``
     (T,): of its results and scene, largest at the instant to be shown; ``needs``: dotted key of the
     scene that has to be given, if any.
     """

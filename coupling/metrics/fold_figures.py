@@ -1,4 +1,4 @@
-"""What a run tells of its folds: at every step, and in all."""
+"""Figures of a run's folds: at every step, and of the whole run."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def below_grid(scene: Scene) -> str | None:
 
 
 class FoldFigures:
-    """Tells of every step what is folded, of a diaphragm with ``reference`` and ``triangles``."""
+    """Gives at every step what is folded, of a diaphragm with ``reference`` and ``triangles``."""
 
     def __init__(self, scene: Scene, reference: Array, triangles: Ints) -> None:
         self._finder = FoldFinder(reference, triangles)
@@ -88,8 +88,8 @@ def fold_summary(
         the least that a tenth of the area was bent to. ``sharpest_radius_resolved``:
         whether it is at least the grid's spacing h; a smaller one is the grid's rather than the
         sheet's, as the curvature lacks a share of (h/radius)^2/12, and cannot exceed 2/h. The area
-        folded over and whether layers touch are of what the grid shows, and null in runs that did
-        not tell.
+        folded over and whether layers touch are of what the grid shows, and null in runs
+        without these figures.
     """
     reason = below_grid(scene)
     found: dict[str, Any] = dict.fromkeys(

@@ -19,10 +19,10 @@ from coupling.metrics.places import degrees_of, mould_angles
 from coupling.ports import Array, Ints
 
 # Over the curvature of a sphere of the rim's radius: by as much more a ridge is bent than the sheet
-# on either side of it, which tells folds from the moulded curvature and from what a round level
+# on either side of it, which separates folds from the moulded curvature and from what a round level
 # sheet has. Scale-free, and no property of the rubber.
 PROMINENCE = 1.0
-LEAST = 8  # nodes of a ring on which two folds could be told apart
+LEAST = 8  # nodes of a ring on which two folds could be distinguished
 TENTH = 0.1  # of the area: its radius converges with the grid, the sharpest of all does not
 SAME = 1e-9  # of the rim's radius, within which nodes lie on one ring
 

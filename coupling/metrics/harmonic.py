@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 
 from coupling.ports import Array
 
-BAND = (
-    4  # highest harmonic in the band of the motion: blows, and what steps make of them, lie above
-)
+BAND = 4  # highest harmonic in the band of the motion; blows lie above, and what steps add
 _ZERO = 1e-5  # of the largest component: below it a phase is the solver's noise
 
 

@@ -12,7 +12,6 @@ from coupling.ports import Array
 
 _WINDOW = 0.125  # of a period: a blow is shorter, and what the sway itself does in it is little
 _COUNTED = 0.5  # share of the largest impulse from which on a blow counts
-
 _ROUNDING = 1e-9  # of the weight's impulse in an eighth, below which there is none
 
 

@@ -62,9 +62,9 @@ def _verdict(content: Mapping[str, Any]) -> tuple[str, str]:
 
 def _alarm(rows: Sequence[Mapping[str, Any]], failed: int) -> str:
     wavy = [number(row["radius_m"], "m") for row in rows if not row["monotonic"]]
-    told = [f"Not monotonic in the thickness at R = {', '.join(wavy)}: see below."] if wavy else []
-    told += [f"{failed} runs failed."] if failed else []
-    return " ".join(told)
+    said = [f"Not monotonic in the thickness at R = {', '.join(wavy)}: see below."] if wavy else []
+    said += [f"{failed} runs failed."] if failed else []
+    return " ".join(said)
 
 
 def _curve(rows: Sequence[Mapping[str, Any]]) -> Section:

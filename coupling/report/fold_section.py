@@ -11,14 +11,14 @@ from coupling.report.rub_maps import mould_map
 
 _NOTE = (
     "A fold is a ridge: a maximum of the larger principal curvature along a ring of the grid, that "
-    "rises by more than 1/R above its sides; told is the ring with most. Folded over is rubber "
+    "rises by more than 1/R above its sides; the ring with most counts. Folded over is rubber "
     "whose normal has turned by more than 90° from the moulded one, 71\u202f% of a wholly everted "
     "diaphragm."
 )
 
 
 def fold_section(run: RunFiles) -> Section | None:
-    """The table, and a map of the curvature at the end; None for a run that did not tell."""
+    """The table, and a map of the curvature at the end; None for a run without these figures."""
     folds = run.summary.get("folds")
     if folds is None or folds["folded_area_max_fraction"] is None:
         return None

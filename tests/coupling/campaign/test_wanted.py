@@ -91,13 +91,13 @@ def test_the_time_left_goes_by_costs(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr("coupling.campaign.time_left.time.monotonic", lambda: now[0])
     left = TimeLeft()
-    assert left.told(60.0) == ""
+    assert left.text(60.0) == ""
     now[0] = 40.0
     left.took(10.0)
     left.took(10.0)
     assert left.seconds(60.0) == 120.0
-    assert left.told(60.0) == ", about 2 min left"
-    assert left.told(0.0) == ""
+    assert left.text(60.0) == ", about 2 min left"
+    assert left.text(0.0) == ""
 
 
 def test_a_tidy_table_a_netcdf_file_and_a_figure_more_without_a_run(
@@ -112,9 +112,9 @@ def test_a_tidy_table_a_netcdf_file_and_a_figure_more_without_a_run(
         assert done.exit_code == 0, done.output
         return done.stdout
 
-    told = json.loads(edt(",".join(names), "--json"))
-    assert told["models"] == ["hydrostatic"]
-    assert told["reference"] is None
+    printed = json.loads(edt(",".join(names), "--json"))
+    assert printed["models"] == ["hydrostatic"]
+    assert printed["reference"] is None
     with (folder / "sweep.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["liquid.fill_fraction", "model", "status", *names, "failure"]

@@ -1,4 +1,4 @@
-"""A tank with its diaphragm is identified, followed in scenes that were not fitted, and told of."""
+"""A tank with its diaphragm is identified, followed in scenes not fitted, and reported."""
 
 import csv
 import json
