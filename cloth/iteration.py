@@ -18,6 +18,7 @@ CONTACT_EVERY = 10  # iterations between two looks at what touches
 CONTACT_AFTER = 20  # iterations before the first
 LEAST = 10  # iterations before the first look at what they leave
 SPAN = 5  # iterations over which their contraction is measured
+STEPS = 20.0  # times the tolerance: the error of a step, over what the step moves
 MARGIN = 0.2  # of a step's first solve: further iterations, which its later solves may need too
 CONTRACTION = (0.5, 0.98)  # bounds: a lucky pair of iterations does not end a solve
 # Iterations in which the slowest contraction divides moves by e^2: without any gain, none comes.
@@ -105,11 +106,16 @@ class Iteration:
         rate = min(max(ratio ** (1.0 / SPAN), least), most)
         return float(self.moves[-1] * rate / (1.0 - rate))
 
+    def allowed(self, x: Array) -> float:
+        """Rms displacement [m] that a solve may leave which ends at ``x`` (n, 3) [m]."""
+        p = self.problem
+        moved = math.sqrt(float(np.sum((x - p.committed) ** 2)) / len(x))
+        return p.settings.tolerance * min(p.model.size, STEPS * (moved + p.scale))
+
     @property
     def near_enough(self) -> bool:
         """Whether what is left is within the tolerance."""
-        p = self.problem
-        return self.done >= LEAST and self.left <= p.settings.tolerance * p.model.size
+        return self.done >= LEAST and self.left <= self.allowed(self.x)
 
     @property
     def stalled(self) -> bool:
@@ -154,7 +160,7 @@ class Iteration:
         if not np.all(np.isfinite(end.position)):
             raise self._diverged("the position is no longer finite")
         moved = math.sqrt(float(np.sum((end.position - self.x) ** 2)) / len(self.x))
-        admissible = end.converged and moved <= p.settings.tolerance * p.model.size
+        admissible = end.converged and moved <= self.allowed(end.position)
         return Solution(
             position=end.position,
             tension=self.u * self.penalty[:, None, None],

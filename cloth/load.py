@@ -40,12 +40,13 @@ class Settings:
     """Inner iteration of a step, and the sheet's damping.
 
     ``tolerance`` [-]: the rms displacement over the sheet's size L that is left when it stops, as
-    the contraction of its last iterations has it; 0 for a fixed number of ``iterations``, which
-    otherwise bounds it. ``penalty`` k [N/m] of the stretch, None for ``penalty_of`` the step;
-    ``shell_weight`` [-]: the shell's penalty at a node of mean mass, over k; ``relaxation`` r [-],
-    1 to 1.85. ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on the tangential velocity
-    alone, per cloth mass. ``stretch_damping`` tau [s] of ``cloth.viscous``; ``shell_friction``
-    and ``self_friction`` [-], Coulomb's coefficients on the shell and on itself.
+    the contraction of its last iterations has it, and less in a step that moves the sheet by little
+    (``cloth.iteration.STEPS`` of its own displacement and ``step_scale``); 0 for a fixed number of
+    ``iterations``, which otherwise bounds it. ``penalty`` k [N/m] of the stretch, None for
+    ``penalty_of`` the step; ``shell_weight`` [-]: the shell's penalty at a node of mean mass, over
+    k; ``relaxation`` r [-], 1 to 1.85. ``bending_damping`` tau_b [s]; ``drag`` alpha [1/s], on the
+    tangential velocity alone, per cloth mass. ``stretch_damping`` tau [s] of ``cloth.viscous``;
+    ``shell_friction`` and ``self_friction`` [-], Coulomb's coefficients on the shell and on itself.
     """
 
     tolerance: float = 1e-5
@@ -64,6 +65,16 @@ def pressure_scale(load: Load, size: float) -> float:
     """Return P [Pa], rho |b| L with the sheet's ``size`` L [m], or a given datum where larger."""
     hydrostatic = load.density * float(np.linalg.norm(load.body_force)) * size
     return max(hydrostatic, abs(load.datum or 0.0))
+
+
+def step_scale(load: Load, *, size: float, areal_density: float, dt: float) -> float:
+    """Return the displacement [m] that the whole load would cause in a step of ``dt`` [s].
+
+    dt^2 P/(rho L + m) with the ``pressure_scale`` P over the sheet's ``size`` L [m] and its
+    ``areal_density`` m [kg/m^2]; |b| dt^2 where the liquid is much heavier than the sheet. An error
+    of a part of that changes accelerations by about this part of |b|, in steps of any length.
+    """
+    return pressure_scale(load, size) * dt**2 / (load.density * size + areal_density)
 
 
 def penalty_of(load: Load, *, size: float, inertia: float, compressive: float = 0.0) -> float:

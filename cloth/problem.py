@@ -19,6 +19,7 @@ from cloth.self_contact.result import Contact
 class StepProblem:
     """A step to be solved: what is held during it.
 
+    ``scale`` [m]: the step's (``cloth.load.step_scale``).
     ``constant_force`` (n, 3) [N] does not depend on the iterate.
     ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
     the iteration sets out; ``penalty`` [N/m] is the stretch's; ``rest`` (m, 3) is the strain free
@@ -30,6 +31,7 @@ class StepProblem:
     penalty: float
     system: System
     dt: float
+    scale: float
     kin: Kinematics
     load: Load
     committed: Array

@@ -12,7 +12,7 @@ from cloth.energy import SheetEnergy, SheetLosses, rubber_at, sheet_energy
 from cloth.iteration import iterate
 from cloth.kinematics import Kinematics, kinematics
 from cloth.linear import System
-from cloth.load import Load, Settings, penalty_of
+from cloth.load import Load, Settings, penalty_of, step_scale
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
@@ -124,6 +124,12 @@ class Cloth:
             penalty=penalty,
             system=system,
             dt=dt,
+            scale=step_scale(
+                load,
+                size=self.model.size,
+                areal_density=self.model.inertia / self.model.size**2,
+                dt=dt,
+            ),
             kin=kin,
             load=load,
             committed=m.position,

@@ -12,7 +12,7 @@ from coupling.metrics.places import degrees_of, mould_angles, shell_angles
 from coupling.ports import Array, Ints
 from coupling.store.results import Results
 
-LEAST = 1e-6  # m: a sheet that rests creeps by the solver's residual, not by rubbing
+LEAST = 1e-5  # slip over the rim's radius that is none: what a solve may leave by default
 KINDS = ("shell", "self")  # what the sheet rubs on, as ``Results`` names it
 # What ``summary.json`` has of each kind.
 _SLIP = ("slip_max_m", "slip_mean_m", "slip_place_deg")
@@ -33,7 +33,7 @@ class Rub:
     place: tuple[float, float]
 
 
-def rub(gathered: Array, reference: Array, triangles: Ints, least: float = LEAST) -> Rub | None:
+def rub(gathered: Array, reference: Array, triangles: Ints, least: float) -> Rub | None:
     """Return the largest and the mean of the nodes' slips or works, and where the largest is.
 
     Parameters
@@ -101,11 +101,13 @@ def _of_kind(results: Results, kind: str, wear: tuple[float, float] | None) -> d
     if not len(results.time):
         return found
     slip, work = (getattr(results, f"{kind}_{what}")[-1] for what in ("slip", "work"))
-    slid = rub(slip, results.reference, results.triangles)
+    reference, triangles = results.reference, results.triangles
+    least = LEAST * float(np.hypot(reference[:, 0], reference[:, 1]).max())
+    slid = rub(slip, reference, triangles, least)
     if slid is None:
         return found
     found |= dict(zip(_SLIP, (slid.largest, slid.mean, slid.place), strict=True))
-    done = rub(np.where(slip > LEAST, work, 0.0), results.reference, results.triangles, least=0.0)
+    done = rub(np.where(slip > least, work, 0.0), reference, triangles, least=0.0)
     if done is None:
         return found
     pressure = done.largest / float(slip[done.node])

@@ -47,7 +47,8 @@ class Cloth(Section):
         default=1e-5,
         gt=0,
         lt=0.01,
-        description="rms displacement over the radius that a solve may leave",
+        description="rms displacement over the radius that a solve may leave; less in a step that "
+        "moves the sheet by little",
     )
     iterations: int = Field(
         default=1000, ge=20, le=100000, description="inner iterations of a solve, at most"

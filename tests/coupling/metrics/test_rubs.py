@@ -21,7 +21,7 @@ TRIANGLES = np.array([[0, 1, 3], [1, 2, 3]])
 
 def test_the_mean_is_that_of_the_moulded_area() -> None:
     """The pole and y count for two sixths of the area each, x and -x for one."""
-    found = rub(np.array([0.0, 0.0, 0.003, 0.012]), REFERENCE, TRIANGLES)
+    found = rub(np.array([0.0, 0.0, 0.003, 0.012]), REFERENCE, TRIANGLES, 0.0)
     assert found is not None
     assert found.largest == 0.012
     assert found.mean == pytest.approx((0.003 + 2.0 * 0.012) / 6.0)
@@ -31,8 +31,8 @@ def test_a_larger_triangle_counts_for_more() -> None:
     """Areas 2 and 6: a corner counts for a third of its own triangle, over the whole of 8."""
     flat = np.array([[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-6.0, 0.0, 1.0]])
     pair = np.array([[0, 1, 2], [0, 2, 3]])
-    small = rub(np.array([0.0, 0.1, 0.0, 0.0]), flat, pair)
-    large = rub(np.array([0.0, 0.0, 0.0, 0.1]), flat, pair)
+    small = rub(np.array([0.0, 0.1, 0.0, 0.0]), flat, pair, 0.0)
+    large = rub(np.array([0.0, 0.0, 0.0, 0.1]), flat, pair, 0.0)
     assert small is not None
     assert large is not None
     assert small.mean == pytest.approx(0.1 * (2.0 / 3.0) / 8.0)
@@ -54,15 +54,15 @@ def test_the_place_is_told_from_the_moulded_pole(
     direction: list[float], place: tuple[float, float], side: float
 ) -> None:
     points = np.array([*REFERENCE, 2.0 * np.array(direction)]) * [1.0, 1.0, side]
-    found = rub(np.array([0.0, 0.0, 0.0, 0.001, 0.002]), points, TRIANGLES)
+    found = rub(np.array([0.0, 0.0, 0.0, 0.001, 0.002]), points, TRIANGLES, 0.0)
     assert found is not None
     assert found.place == pytest.approx(place, abs=1e-9)
 
 
 @pytest.mark.parametrize("slip", [0.0, 0.9e-6, np.nan])
 def test_what_has_not_slid_has_no_figures(slip: float) -> None:
-    assert rub(np.full(4, slip), REFERENCE, TRIANGLES) is None
-    assert rub(np.full(4, 1.1e-6), REFERENCE, TRIANGLES) is not None
+    assert rub(np.full(4, slip), REFERENCE, TRIANGLES, 1e-6) is None
+    assert rub(np.full(4, 1.1e-6), REFERENCE, TRIANGLES, 1e-6) is not None
 
 
 def test_the_summary_tells_what_has_gathered_at_the_end(tmp_path: Path) -> None:
