@@ -8,6 +8,7 @@ from typing import Any
 
 from coupling.campaign.parallel import Task, in_parallel
 from coupling.campaign.study import Progress, is_complete
+from coupling.campaign.time_left import TimeLeft
 from coupling.estimate.cost import run_cost
 from coupling.mechanical.apparent_mass import apparent_mass
 from coupling.mechanical.exports.written import write_exports
@@ -88,12 +89,15 @@ def _run_all(
         )
         for place, run in waiting.items()
     ]
+    left, to_come = TimeLeft(), sum(task.cost for task in tasks)
     for task, summary in in_parallel(tasks, workers, scheduler):
         place = task.folder.relative_to(folder)
         done[place] = summary
+        left.took(task.cost)
+        to_come -= task.cost
         if progress is not None:
             text = f"{place.parent.name}: {place.name} {summary.get('status')}"
-            progress("identify", len(done), len(planned), text)
+            progress("identify", len(done), len(planned), text + left.text(to_come))
     return done
 
 
