@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from cloth.arrays import Array
 from cloth.shell.kernels import nearest_points
+from cloth.shell.part import ShellPart
 from cloth.shell.pieces import (
     JOINT,
     check_smooth,
@@ -19,7 +20,6 @@ from cloth.shell.pieces import (
     piece_points,
     share_below,
 )
-from cloth.shell.upper_part import UpperPart
 
 LEVEL = 1e-12  # sine of the angle below which a plane is level
 NEWTON = 60  # steps along a ray, at most; a sphere takes one
@@ -244,6 +244,10 @@ class Meridian:
         area = (size[:, None] * np.stack([nr, nr, nz], axis=1))[:, None] * around
         return points.reshape(-1, 3), area.reshape(-1, 3)
 
-    def upper_part(self) -> UpperPart:
+    def upper_part(self) -> ShellPart:
         """Return the mould of a sheet that lies on the shell above the rim."""
-        return UpperPart(self)
+        return ShellPart(self)
+
+    def lower_part(self) -> ShellPart:
+        """Return the mould of a sheet that lies on the shell below the rim."""
+        return ShellPart(self, below=True)

@@ -37,6 +37,11 @@ def arc(centre: tuple[float, float], radius: float, start: float, end: float) ->
     return np.array([*ends[0], *ends[1], a, b, math.copysign(radius, end - start)])
 
 
+def raised(piece: Array, height: float) -> Array:
+    """Return a ``piece`` (7,) moved up by a ``height`` [m]."""
+    return np.asarray(piece + height * np.array([0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]))
+
+
 def share_below(piece: Array, height: float) -> float:
     """Return the share of a ``piece`` (7,) that lies below the ``height`` [m] it rises through."""
 

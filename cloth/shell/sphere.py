@@ -8,6 +8,7 @@ import numpy as np
 
 from cloth.arrays import Array
 from cloth.mould import Hemisphere
+from cloth.shell.part import ShellPart
 
 SMALLEST = 1e-30  # m from the centre, where a sphere's normal is no longer asked for
 
@@ -141,6 +142,10 @@ class Sphere:
     def upper_part(self) -> Hemisphere:
         """Return the mould of a sheet that lies on the shell above the rim."""
         return Hemisphere(self.radius)
+
+    def lower_part(self) -> ShellPart:
+        """Return the mould of a sheet that lies on the shell below the rim."""
+        return ShellPart(self, below=True)
 
 
 def level_of_fill_fraction(fill_fraction: float) -> float:

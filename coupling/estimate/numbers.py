@@ -136,7 +136,7 @@ def _similarity(scene: Scene, gravity: float, frequency: float) -> dict[str, Any
 
 def _wrinkles(scene: Scene) -> dict[str, Any]:
     """How long the wrinkles are, and whether the cloth's grid can show them."""
-    radius, length = scene.tank.shell.size, scene.tank.mould.length
+    radius, length = scene.tank.shell.size, scene.mould.length
     wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
     rings = rings_to_resolve(length, wavelength)
     fine = scene.cloth.grid == "rings" and scene.cloth.rings >= rings

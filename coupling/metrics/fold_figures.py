@@ -22,7 +22,7 @@ def below_grid(scene: Scene) -> str | None:
 
     That is where ``edt check`` would let ``cloth.wrinkling`` be resolved, and it is.
     """
-    cloth, length = scene.cloth, scene.tank.mould.length
+    cloth, length = scene.cloth, scene.mould.length
     if cloth.wrinkling == "resolved" and cloth.grid == "rings":
         return None  # the scene's checks see to the rings
     wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))
@@ -113,7 +113,7 @@ def fold_summary(
         number, tenth, radius, polar, azimuth = (metrics[name] for name in _RESOLVED)
         step = int(np.nanargmin(radius))
         ridges = finder.folds(position).ridges
-        spacing = grid_spacing(scene.tank.mould.length, scene.cloth)
+        spacing = grid_spacing(scene.mould.length, scene.cloth)
         found |= {
             "number_max": int(np.nanmax(number)), "number_end": len(ridges),
             "ridges_end_deg": [finder.place(int(node)) for node in ridges],

@@ -11,6 +11,25 @@ from coupling.fluids import FLUIDS
 from coupling.motion import MOTIONS
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
+from coupling.scene.tank import Tank
+
+
+def _tank_rows(tank: Tank) -> list[list[str]]:
+    """The tank's sizes, of a sphere clamped at its equator the radius alone."""
+    sizes = {
+        "Tank radius": tank.radius, "Length of the cylindrical part": tank.cylinder_length,
+        "Semi-axis along z": tank.semi_axis,
+    }  # fmt: skip
+    rows = [[name, number(1e3 * size, "mm", 4)] for name, size in sizes.items() if size is not None]
+    if tank.shape == "sphere" and tank.clamp_height == 0.0:
+        return rows
+    return [
+        ["Tank’s shape", tank.shape],
+        *rows,
+        ["Radius of the clamped circle", number(1e3 * tank.shell.size, "mm", 4)],
+        ["Its height above the middle", number(1e3 * tank.clamp_height, "mm", 4)],
+        ["Tank’s volume", number(1e3 * tank.volume, "l", 4)],
+    ]
 
 
 def scene_tables(run: RunFiles) -> list[Table]:
@@ -22,7 +41,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
     sizes = FLUIDS[scene.model.fluid].size(scene).values()
     flow = ", ".join(str(size) for size in sizes) or "none"
     rows = [
-        ["Tank radius", number(1e3 * scene.tank.radius, "mm", 4)],
+        *_tank_rows(scene.tank),
         ["Fill fraction", number(liquid.fill_fraction)],
         ["Liquid", f"{liquid.name or ''} {number(liquid.density, 'kg/m³', 4)}".strip()],
         ["Kinematic viscosity", number(liquid.viscosity, "m²/s")],

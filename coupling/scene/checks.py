@@ -185,7 +185,7 @@ def _check_losses(scene: Scene) -> list[str]:
 
 def _check_wrinkling(scene: Scene) -> list[str]:
     """Whether the grid is fine enough for the wrinkles that it is asked to resolve."""
-    cloth, length = scene.cloth, scene.tank.mould.length
+    cloth, length = scene.cloth, scene.mould.length
     if cloth.wrinkling != "resolved" or cloth.grid == "thesis":
         return []
     wavelength = shortest_wavelength(scene.diaphragm, scene.liquid, np.array(scene.gravity))

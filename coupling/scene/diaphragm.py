@@ -89,7 +89,7 @@ def _is_positive(value: Any) -> bool:
 
 
 class Diaphragm(Section):
-    """The rubber, moulded as a hemisphere and held at the equator.
+    """The rubber, moulded as the shell above or below its rim, and held there.
 
     Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
     breaks at ``strength``: it is there to be compared with the tension. With a ``thickness_map``,
@@ -109,6 +109,11 @@ class Diaphragm(Section):
         description="CSV file with columns polar, azimuth, thickness (degrees, degrees, m, or as "
         "its header says)",
     )
+    mould: Literal["upper", "lower"] = Field(
+        default="upper",
+        description='part of the shell to which the rubber is moulded: "upper" or "lower", above '
+        "or below the rim",
+    )
     material: str | None = Field(default=None, description="name of a built-in elastomer")
     density: float = Field(
         gt=0, description="density of the rubber [kg/m^3]", json_schema_extra=_MATERIAL
@@ -127,7 +132,7 @@ class Diaphragm(Section):
     )
     rim: Literal["hinged", "clamped"] = Field(
         default="hinged",
-        description='support at the equator: "hinged" or "clamped" (the moulded slope is held)',
+        description='support at the rim: "hinged" or "clamped" (the moulded slope is held)',
     )
     loss_factor: float = Field(
         default=0.0,

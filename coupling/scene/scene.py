@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
@@ -27,6 +28,9 @@ from coupling.scene.sections import Liquid, Model, Motion, Section, Vector
 from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
 from coupling.scene.tank import Tank
 
+if TYPE_CHECKING:
+    from coupling.scene.tank import Mould
+
 __all__ = [
     "SCENE_FILE",
     "Scene",
@@ -40,7 +44,11 @@ __all__ = [
 ]
 
 # Keys that name a file beside the scene, and what its copy in a run's folder is called.
-TABLE_FILES = {("motion", "file"): "motion.csv", ("diaphragm", "thickness_map"): "thickness.csv"}
+TABLE_FILES = {
+    ("motion", "file"): "motion.csv",
+    ("diaphragm", "thickness_map"): "thickness.csv",
+    ("tank", "profile"): "profile.csv",
+}
 
 
 class Scene(Section):
@@ -67,6 +75,12 @@ class Scene(Section):
     def liquid_volume(self) -> float:
         """Volume of the liquid [m^3]."""
         return self.liquid.fill_fraction * self.tank.volume
+
+    @cached_property
+    def mould(self) -> Mould:
+        """The shape in which the diaphragm is moulded: the shell's above or below the rim."""
+        shell = self.tank.shell
+        return shell.upper_part() if self.diaphragm.mould == "upper" else shell.lower_part()
 
     @property
     def frequency(self) -> float | None:

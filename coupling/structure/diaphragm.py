@@ -86,11 +86,11 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
     gravity = float(np.linalg.norm(scene.gravity))
     swing = float(np.sqrt(shell.size / gravity))  # [s]
     area = scene.liquid.density * shell.size**2  # [kg/m]
-    mesh, ridges = moulded(scene.tank.mould, cloth.resolution), scene.diaphragm.moulded_thickness
+    mesh, ridges = moulded(scene.mould, cloth.resolution), scene.diaphragm.moulded_thickness
     thickness = None
     if ridges is not None:
         centroids = mesh.points[mesh.triangles].mean(axis=1)
-        thickness = ridges.at(scene.tank.mould.directions(centroids))
+        thickness = ridges.at(scene.mould.directions(centroids))
     return Cloth(
         mesh=mesh,
         diaphragm=scene.diaphragm.sheet,
@@ -122,7 +122,7 @@ def _relaxed(scene: Scene) -> float:
     """
     weight = scene.liquid.density * float(np.linalg.norm(scene.gravity))  # [N/m^3]
     bending = scene.diaphragm.sheet.bending_stiffness
-    shortest = math.pi / grid_spacing(scene.tank.mould.length, scene.cloth)
+    shortest = math.pi / grid_spacing(scene.mould.length, scene.cloth)
     square = min(math.sqrt(weight / bending), shortest**2)
     buckling = bending * square + weight / square
     return min(COMPRESSIVE * weight * scene.tank.shell.size**2, BUCKLING * buckling)

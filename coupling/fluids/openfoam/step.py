@@ -38,7 +38,7 @@ _log = logging.getLogger(__name__)
 def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow, FreePatch]:
     """The flow below the settled ``cloth``, not yet started, and its map to the cloth."""
     shell, mesh = scene.tank.shell, half_ball(scene.openfoam.cells, scene.wall_spacing)
-    moulded = scene.tank.mould.directions(cloth.reference)
+    moulded = scene.mould.directions(cloth.reference)
     mapping = FreePatch(mesh, cloth, shell=shell, moulded=moulded)
     flow = OpenFoamFlow(
         folder,

@@ -1,7 +1,6 @@
 """Shapes of a tank, by the name that ``tank.shape`` chooses.
 
-A shape is one file with a function from the section [tank] to its shell, and one line in
-``SHAPES``.
+A shape is one file with a ``TankShape``, and one line in ``SHAPES``.
 """
 
 from __future__ import annotations
@@ -11,15 +10,16 @@ from typing import TYPE_CHECKING
 from coupling.registry import Registry
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from coupling.scene.tank import Tank, TankShell
+    from coupling.scene.shapes.shape import TankShape
 
 __all__ = ["SHAPES"]
 
-SHAPES: Registry[Callable[[Tank], TankShell]] = Registry(
+SHAPES: Registry[TankShape] = Registry(
     "shape of a tank",
     {
-        "sphere": "coupling.scene.shapes.sphere:sphere_of",
+        "sphere": "coupling.scene.shapes.sphere:SPHERE",
+        "pill": "coupling.scene.shapes.pill:PILL",
+        "ellipsoid": "coupling.scene.shapes.ellipsoid:ELLIPSOID",
+        "profile": "coupling.scene.shapes.profile:PROFILE",
     },
 )

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pandas import Series
 
 LEAST_LINES = 2
-_COUNTS = {3: "three", 4: "four"}
+_COUNTS = {2: "two", 3: "three", 4: "four"}
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", None: "blanks"}
 _REMOVE = "Correct the line, or remove it: between its neighbours values are linear."
 _HEADER = (

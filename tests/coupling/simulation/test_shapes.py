@@ -80,7 +80,7 @@ def test_the_flow_s_mesh_in_a_sphere_of_arcs_is_that_in_the_sphere():
         )
         settle_diaphragm(cloth, scene, load)
         mesh, state = half_ball(200), cloth.state
-        moulded = scene.tank.mould.directions(cloth.reference)
+        moulded = scene.mould.directions(cloth.reference)
         mapping = FreePatch(mesh, cloth, shell=scene.tank.shell, moulded=moulded)
         placed = mapping.begin_step(state, 0.0, state.position)
         shell, patch = placed.shell, placed.to_flow(state.position)
