@@ -49,6 +49,9 @@ class Shell(Protocol):
     def gap(self, x: Array) -> Array:
         """Distance (n,) [m] of ``x`` (n, 3) from the shell, below 0 outside."""
 
+    def normal(self, x: Array) -> Array:
+        """Outward unit normals (n, 3) where the shell is nearest to ``x`` (n, 3)."""
+
     def project(self, x: Array) -> Array:
         """The shell's nearest points (n, 3) to ``x`` (n, 3)."""
 

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from cloth.compiled import compiled
-from coupling.ports import Array, Ints
+from coupling.ports import Array, Ints, Shell
 
 
 class SolidHarmonics:
@@ -69,6 +69,15 @@ class SolidHarmonics:
                 add(1, n - 1, order + 1, column, 0.5)
                 add(1, n - 1, order - 1, column, 0.5)
         return slopes / self.radius
+
+
+def harmonics_in(shell: Shell, degree: int) -> SolidHarmonics:
+    """Return the harmonics up to ``degree`` in units of how far ``shell`` reaches from the origin.
+
+    In units of its rim's radius those of a long tank are so unequal that the least stiffness of
+    ``ritz`` cuts true ones off: in a pill of 2:1 its lowest mode then errs by 3 % at degree 12.
+    """
+    return SolidHarmonics(degree, max(shell.size, *map(abs, shell.poles)))
 
 
 def _norm(n: int, m: int) -> float:

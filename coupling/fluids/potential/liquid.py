@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coupling.finite_volume.swept import cross
 from coupling.fluids.gauge import largest_rate
-from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.fluids.potential.harmonics import harmonics_in
 from coupling.fluids.potential.ritz import (
     RitzLiquid,
     RitzShape,
@@ -42,7 +42,7 @@ class PotentialLiquid:
         density: float,
         layer: float = 0.0,
     ) -> None:
-        harmonics = SolidHarmonics(degree, shell.size)
+        harmonics = harmonics_in(shell, degree)
         points, self._shell_area = shell.quadrature(degree)
         self.shell, self.layer = shell, layer
         self._distance = ContactDistance(triangles, shell)
@@ -70,8 +70,8 @@ class PotentialLiquid:
         size = np.linalg.norm(shape.area, axis=1)
         normal = shape.area / size[:, None]
         centre = points[self.ritz.triangles].mean(axis=1)
-        # The shell is seen from its middle; a sheet on it, above no liquid, looks back there.
-        cosine = np.einsum("tx,tx->t", normal, centre) / self.shell.size
+        # A sheet on the shell's wetted side, above no liquid, looks against the shell's normal.
+        cosine = np.einsum("tx,tx->t", normal, self.shell.normal(centre))
         dry = (cosine < -0.5) & ~self._free(points)
         sheet = slip_form(self.ritz.harmonics, shape.values, normal, np.where(dry, -size, size))
         return WallLayers(

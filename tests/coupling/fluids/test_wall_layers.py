@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 from scipy.special import jnp_zeros, jv
+from shells import pill
 
+from cloth.shell.arc_spline import ellipse
+from cloth.shell.meridian import Meridian
 from cloth.shell.sphere import Sphere
 from coupling.estimate.sloshing_modes import layer_slip
 from coupling.fluids.potential.harmonics import SolidHarmonics
@@ -107,25 +110,28 @@ def test_a_released_wave_falls_as_stokes_layers_take_it():
     assert named[-1] - named[9] == pytest.approx(lost, rel=0.03)
 
 
-def test_a_sheet_on_the_shell_leaves_no_wall_below_it():
+@pytest.mark.parametrize(
+    "shell",
+    [Sphere(RADIUS), Meridian(ellipse(RADIUS, 0.4 * RADIUS)), pill(RADIUS, RADIUS)],
+    ids=["sphere", "flat ellipsoid", "pill"],
+)
+def test_a_sheet_on_the_shell_leaves_no_wall_below_it(shell):
     """Where the sheet lies on the lower half there is no liquid, and no layer takes anything."""
     plan, quads = disc_grid(1000)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     reach = np.minimum(np.linalg.norm(plan, axis=1), 1.0)
-    angle = 0.5 * np.pi * reach
-    points = np.column_stack([
-        plan * (np.sin(angle) / np.maximum(reach, 1e-12))[:, None], -np.cos(angle)
-    ])  # fmt: skip
+    r, z = shell.along(shell.arc_to(shell.poles[0]) * (1.0 - reach))
+    points = np.column_stack([plan * (r / np.maximum(reach, 1e-12))[:, None], z])
     liquid = PotentialLiquid(
-        triangles, len(points), shell=Sphere(RADIUS), degree=4, density=DENSITY, layer=1e-3
+        triangles, len(points), shell=shell, degree=4, density=DENSITY, layer=1e-3
     )
     whole = liquid._shell_form[1:, 1:]
-    left = liquid.layers(RADIUS * points, liquid.at(RADIUS * points))
-    # The facets' area and places miss the sphere's by h^2, with 20 cells from pole to rim.
+    left = liquid.layers(points, liquid.at(points))
+    # The facets' area and places miss the shell's by h^2, with 20 cells from pole to rim.
     assert np.abs(left.form).max() < 0.02 * np.abs(whole).max()
     assert not left.wetted.any()
     above = np.column_stack([points[:, :2], -points[:, 2]])
-    full = liquid.layers(RADIUS * above, liquid.at(RADIUS * above))
+    full = liquid.layers(above, liquid.at(above))
     assert full.wetted.all()
 
 
