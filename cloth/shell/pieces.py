@@ -65,7 +65,7 @@ def crossings(piece: Array, level: float, lean: float, rise: float) -> list[floa
             return np.asarray(side * r + rise * z - level)
 
         value = beyond(share)
-        for k in np.flatnonzero(value[:-1] * value[1:] < 0.0):
+        for k in np.flatnonzero((value[:-1] < 0.0) != (value[1:] < 0.0)):
             found.append(float(brentq(lambda at: beyond(at)[0], share[k], share[k + 1])))
     return sorted(found)
 
