@@ -6,27 +6,56 @@ Nothing here is a result: estimates from formulas and from the slosh frequency o
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from cloth.shell.sphere import level_of_fill_fraction
+from cloth.shell.sphere import Sphere, level_of_fill_fraction
 from coupling.estimate.sloshing_modes import covered_eigenvalue, slosh_eigenvalue
 from coupling.motion.shaking import driving_frequency, largest_acceleration, largest_body_force
 from coupling.scene.scene import Scene
+from coupling.scene.sections import Vector
+from coupling.scene.tank import Tank
 from coupling.scene.wrinkles import grid_spacing, rings_to_resolve, shortest_wavelength
 
 
 def slosh_frequency(
-    *, radius: float, gravity: float, fill_fraction: float, cover: float = 0.0
+    *, eigenvalue: float, radius: float, gravity: float, cover: float = 0.0
 ) -> float:
-    """First slosh frequency f1 [Hz] of a sphere of ``radius`` [m] under ``gravity`` [m/s^2].
+    """First slosh frequency f1 [Hz] under ``gravity`` [m/s^2], of ``eigenvalue`` omega^2 R/g.
 
-    Of a free surface, or below a limp sheet of mass ``cover`` per area, over rho R.
+    ``radius`` R [m] of the rim. Of a free surface, or below a limp sheet of mass ``cover`` per
+    area, over rho R.
     """
-    eigenvalue = slosh_eigenvalue(level_of_fill_fraction(fill_fraction))
     eigenvalue = covered_eigenvalue(eigenvalue, cover)
     return float(np.sqrt(eigenvalue * gravity / radius) / (2.0 * np.pi))
+
+
+def free_surface(scene: Scene) -> tuple[float, float]:
+    """Return the level of a free surface and its lowest mode, in the scene's tank as it lies.
+
+    Returns
+    -------
+    level : float
+        Depth of the liquid over the rim's radius R [-].
+    eigenvalue : float
+        omega^2 R/g of the lowest mode [-].
+    """
+    shell = scene.tank.shell
+    if isinstance(shell, Sphere):
+        level = level_of_fill_fraction(scene.liquid.fill_fraction)
+        return level, slosh_eigenvalue(level)
+    return _free_surface_in(scene.tank, scene.liquid_volume, scene.gravity)
+
+
+@lru_cache(maxsize=64)
+def _free_surface_in(tank: Tank, volume: float, gravity: Vector) -> tuple[float, float]:
+    """``free_surface`` of any tank, which takes half a second where its meridian has 100 arcs."""
+    from coupling.estimate.tank_modes import depth, lowest_eigenvalue  # a sphere does without SciPy
+
+    shell, up = tank.shell, -np.array(gravity)
+    return depth(shell, volume, up) / shell.size, lowest_eigenvalue(shell, volume, up)
 
 
 def bond_number(*, density: float, gravity: float, radius: float, surface_tension: float) -> float:
@@ -90,7 +119,8 @@ class Numbers:
     Frequencies [Hz], body force [m/s^2], wavelength and spacing [m], the rest dimensionless; None
     without a surface tension. ``frequency``: see ``driving_frequency``; ``acceleration_ratio``:
     largest of the tank over gravity; ``hydrostatic_error``: by the rule (f/f1)^2.
-    ``slosh_frequency``: below a limp sheet of the diaphragm's mass, flat on the level; its
+    ``level``: depth over the rim's radius. ``slosh_frequency``: of the lowest mode of the tank as
+    it lies, below a limp sheet of the diaphragm's mass, flat on the level; its
     stiffness raises it (by 3 % in ``foam_cases/slosh``), its folds lower it. Of a thickness map
     the mean counts, for the wrinkles the least. ``wrinkling_allowed``: "resolved" from
     ``rings_to_resolve`` on.
@@ -155,11 +185,11 @@ def numbers_of(scene: Scene) -> Numbers:
     radius = shell.size
     gravity = float(np.linalg.norm(scene.gravity))
     body_force = largest_body_force(scene)
-    level = level_of_fill_fraction(scene.liquid.fill_fraction)
+    level, eigenvalue = free_surface(scene)
     f1 = slosh_frequency(
+        eigenvalue=eigenvalue,
         radius=radius,
         gravity=gravity,
-        fill_fraction=scene.liquid.fill_fraction,
         cover=rubber.sheet.area_density / (density * radius),
     )
     f = driving_frequency(scene)
@@ -182,7 +212,7 @@ def numbers_of(scene: Scene) -> Numbers:
             density=density,
             radius=radius,
             area_density=rubber.sheet.area_density,
-            eigenvalue=slosh_eigenvalue(level),
+            eigenvalue=eigenvalue,
         ),
         hydrostatic_error=hydrostatic_error(f, f1),
         **_similarity(scene, gravity, f),
