@@ -33,6 +33,7 @@ class HydrostaticModel(FluidModel):
 
     name = "hydrostatic"
     colour, line = "#D55E00", "--"
+    takes_supply = True
     error_law = ErrorLaw(law=inertia_left_out, adds_next=True)
 
     def load_model(self, scene: Scene) -> Hydrostatic:

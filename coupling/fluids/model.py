@@ -83,6 +83,7 @@ class FluidModel:
     has_flow: ClassVar[bool] = False  # whether it computes p* at all
     has_viscosity: ClassVar[bool] = False
     keeps_volume: ClassVar[bool] = True  # of the liquid, whatever the diaphragm does
+    takes_supply: ClassVar[bool] = False  # whether its volume may fall
     settling: ClassVar[float] = 1.0  # CPU time to settle over that with a volume kept
     coarser_text: ClassVar[str] = "half the triangles"  # what ``coarser`` has, for a table
     error_law: ClassVar[ErrorLaw | None] = None  # None: it has no data, and is not advised

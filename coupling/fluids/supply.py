@@ -31,6 +31,23 @@ class ClosedTank:
         return self.amount
 
 
+@dataclass(frozen=True)
+class DrawnTank:
+    """A tank whose volume falls evenly from ``start`` to ``end`` [m^3] in ``duration`` [s]."""
+
+    start: float
+    end: float
+    duration: float
+
+    def volume(self, time: float) -> float:
+        """[m^3] at ``time`` [s]; that of the end afterwards, exactly."""
+        share = min(time / self.duration, 1.0)
+        return (1.0 - share) * self.start + share * self.end
+
+
 def supply_of(scene: Scene) -> Supply:
     """That of the scene's liquid."""
-    return ClosedTank(scene.liquid_volume)
+    end, duration = scene.supply.end_fill_fraction, scene.supply.duration
+    if end is None or duration is None:
+        return ClosedTank(scene.liquid_volume)
+    return DrawnTank(scene.liquid_volume, end * scene.tank.volume, duration)

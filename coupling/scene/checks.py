@@ -17,6 +17,7 @@ from coupling.scene.choices import (
 )
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene.sections import LEAST, Motion
+from coupling.scene.supply import supply_problems
 from coupling.scene.wrinkles import (
     CELLS_A_WAVELENGTH,
     grid_spacing,
@@ -45,6 +46,7 @@ def problems_between(scene: Scene) -> list[str]:
         *_check_wrinkling(scene),
         *_check_motion(scene),
         *_check_time(scene),
+        *supply_problems(scene),
         *fluid_problems(scene),
     ]
 

@@ -70,6 +70,16 @@ def fluid_problems(scene: Scene) -> list[str]:
     return list(registry_at("coupling.fluids:FLUIDS")[scene.model.fluid].problems(scene))
 
 
+def takes_supply(fluid: str) -> bool:
+    """Whether liquid can be drawn with the fluid model ``fluid``; not with AUTO, of any."""
+    return fluid != AUTO and bool(registry_at("coupling.fluids:FLUIDS")[fluid].takes_supply)
+
+
+def models_drawing() -> tuple[str, ...]:
+    """Names of the fluid models with which liquid can be drawn."""
+    return tuple(name for name in fluid_models() if takes_supply(name))
+
+
 def default_fluid_model() -> str:
     """That of a scene which names none."""
     return str(named_at("coupling.fluids:DEFAULT"))

@@ -26,6 +26,7 @@ from coupling.scene.periods import in_seconds
 from coupling.scene.report import Report
 from coupling.scene.sections import Liquid, Model, Motion, Section, Vector
 from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
+from coupling.scene.supply import Supply, with_duration
 from coupling.scene.tank import Tank
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ class Scene(Section):
     diaphragm: Diaphragm
     liquid: Liquid
     motion: Motion = Motion()
+    supply: Supply = Supply()
     model: Model = Model()
     cloth: Cloth = Cloth()
     potential: Potential = Potential()
@@ -107,7 +109,7 @@ class Scene(Section):
     @model_validator(mode="before")
     @classmethod
     def _time_in_seconds(cls, given: Any) -> Any:
-        return in_seconds(given) if isinstance(given, dict) else given
+        return in_seconds(with_duration(given)) if isinstance(given, dict) else given
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
