@@ -7,6 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from coupling.cli.expulsion_rows import expulsion_rows
 from coupling.cli.plain_table import figure, print_table
 from coupling.cli.record_tables import print_bands, record_rows
 from coupling.cli.rubber_rows import rubber_rows
@@ -60,6 +61,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         ("... by fold_damping, a regularisation [J]", period.get("bending_damping_J")),
         ("... by slack_drag, a regularisation [J]", period.get("drag_J")),
         ("... by impacts and the time step [J]", period.get("rest_J")),
+        *expulsion_rows(summary),
         *rubber_rows(summary),
         ("wall time [s]", summary.get("wall_s")),
         ("results", str(folder)),

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
+from coupling.ports import Array
 from coupling.scene.scene import Scene
 
 
@@ -51,3 +54,10 @@ def supply_of(scene: Scene) -> Supply:
     if end is None or duration is None:
         return ClosedTank(scene.liquid_volume)
     return DrawnTank(scene.liquid_volume, end * scene.tank.volume, duration)
+
+
+def volume_error(scene: Scene, time: Array, volume: Array) -> Array:
+    """Error (S,) of a ``volume`` (S,) [m^3] at ``time`` (S,) [s], relative to what is left."""
+    supply = supply_of(scene)
+    left = np.array([supply.volume(float(one)) for one in time])
+    return np.asarray(np.abs(volume / left - 1.0))

@@ -69,7 +69,7 @@ def cg_summary(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) -> di
 
 def force_summary(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) -> dict[str, Any]:
     """The summary's ``force``; ``fits`` are the run's ``harmonics``."""
-    weight = scene.liquid.density * scene.liquid_volume * np.array(scene.gravity)
+    weight = weight_of(steps, scene)
     return (
         _moving(steps.force, fits, "force", "N")
         | {"momentum_imbalance": _imbalance(steps, scene, fits)}
@@ -77,6 +77,14 @@ def force_summary(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) ->
         | {"peak_N": _peak(steps.force), "peak_dynamic_N": _peak(steps.force - weight)}
         | {"transfer": _transfer(fits, "force", inertia=_inertia(scene))}
     )
+
+
+def weight_of(steps: StepSeries, scene: Scene) -> Array:
+    """Weight (S, 3) [N] of the liquid at every step; (3,) where none is drawn."""
+    weight = scene.liquid.density * np.array(scene.gravity)
+    if scene.supply.drawn:
+        return np.asarray(steps.volume[:, None] * weight)
+    return np.asarray(scene.liquid_volume * weight)
 
 
 def moment_summary(steps: StepSeries, fits: dict[str, Harmonic]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from coupling.estimate.strength import strength_verdict, stress_estimate
 from coupling.metrics import bernoulli
 from coupling.metrics.energy import energy_summary
+from coupling.metrics.expulsion import expulsion_summary
 from coupling.metrics.fold_figures import fold_summary
 from coupling.metrics.folds import FoldFinder
 from coupling.metrics.gravity_centre import neglected_momentum, neglected_momentum_transient
@@ -81,6 +82,7 @@ def summarise(
         "would_burst": None if strength is None else stress_estimate(scene) > strength,
         "strength_verdict": strength_verdict(scene, statistics.stress_max),
         "folds": _folds(results, scene),
+        "expulsion": expulsion_summary(series, scene),
         "rubs": rubs,
         "rubbing": {name: rubs[name] for name in _RUBBING},
         "settle_residual": statistics.settle_residual,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.lines import Line2D
 
+from coupling.fluids.supply import volume_error
 from coupling.ports import Array
 from coupling.report.files import RunFiles, pressure_rms
 from coupling.report.page import Picture
@@ -150,7 +151,7 @@ def volume_figure(run: RunFiles) -> Picture:
     figure = new_figure()
     axes = figure.subplots()
     steps = run.results.steps
-    error = np.abs(steps.volume / run.scene.liquid_volume - 1.0)
+    error = volume_error(run.scene, steps.time, steps.volume)
     axes.semilogy(*thinned(steps.time, np.maximum(error, 1e-17)), color=INK)
     axes.set(xlabel="time (s)", ylabel="relative volume error")
     text = "Volume under the diaphragm against the liquid's own (rounding is 1e-16)."

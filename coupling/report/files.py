@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from coupling.fluids import FLUIDS
+from coupling.fluids.supply import volume_error
 from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.summary import summarise
 from coupling.ports import Array
@@ -94,7 +95,7 @@ def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics
         strain_tensile_max=max(0.0, float(largest_of[0])),
         tension_max=max(0.0, float(largest_of[1])),
         stress_max=max(0.0, float(largest_of[2])),
-        volume_error_max=float(np.abs(steps.volume / scene.liquid_volume - 1.0).max()),
+        volume_error_max=float(volume_error(scene, steps.time, steps.volume).max()),
         iterations_total=int(per_step.sum()),
         iterations_max=int(per_step.max(initial=0)),
         speed_max=largest.get("speed_max"),

@@ -10,8 +10,10 @@ from typing import Any
 import h5py
 import numpy as np
 
+from coupling.metrics.response import weight_of
 from coupling.report.bernoulli_tables import bernoulli_table, impulse_sentence, split_table
 from coupling.report.energy_section import energy_section
+from coupling.report.expulsion_section import expulsion_section
 from coupling.report.figures import (
     coupling_figure,
     mesh_figure,
@@ -70,6 +72,8 @@ def _extent(summary: dict[str, Any]) -> str:
 
 def _sections(run: RunFiles) -> list[Section]:
     sections = [_shape(run)] if len(run.results.time) else []
+    drawn = expulsion_section(run)
+    sections += [drawn] if drawn else []
     if len(run.results.time) > 1:
         energy = energy_section(run)
         by_record = run.summary.get("record") is not None
@@ -117,7 +121,7 @@ def pressure_section(run: RunFiles) -> Section:
 
 def _motion(run: RunFiles) -> Section:
     steps, scene = run.results.steps, run.scene
-    weight = scene.liquid.density * scene.liquid_volume * np.array(scene.gravity)
+    weight = weight_of(steps, scene)
     middle = steps.liquid_cg.mean(axis=0)
     return Section(
         title="Centre of gravity and force",

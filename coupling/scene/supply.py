@@ -82,8 +82,8 @@ def _of_others(scene: Scene) -> list[str]:
         names = " or ".join(f'"{name}"' for name in models_drawing())
         problems.append(
             f"supply: liquid can be drawn with model.fluid = {names} alone, got "
-            f'"{scene.model.fluid}": a flow has no outlet here. Set model.fluid = {names}, or leave '
-            "the section out."
+            f'"{scene.model.fluid}": a flow has no outlet here. Set model.fluid = {names}, or '
+            "leave the section out."
         )
     if scene.motion.kind != "rest":
         problems.append(
@@ -110,9 +110,10 @@ def _of_volume(scene: Scene) -> list[str]:
     least = FILMS * film_fraction(scene)
     if end >= least:
         return []
-    rings = math.ceil(scene.cloth.resolution * math.sqrt(least / end))
+    now = scene.cloth.resolution
+    rings = math.ceil(now * math.sqrt(least / end))
     return [
-        f"supply.end_fill_fraction: must be at least {least:.2g} on {scene.cloth.resolution} rings, "
-        f"got {end:g}: half of that is left between the shell and the grid's chords. Give more, or "
-        f"cloth.resolution = {rings}."
+        f"supply.end_fill_fraction: must be at least {least:.2g} on {now} rings, got {end:g}: half "
+        "of that is left between the shell and the grid's chords. Give more, or cloth.resolution "
+        f"= {rings}."
     ]

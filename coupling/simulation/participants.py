@@ -14,6 +14,7 @@ from cloth.mesh import rest_gradients
 from coupling.fluids import FLUIDS
 from coupling.fluids.model import Record
 from coupling.fluids.supply import supply_of
+from coupling.metrics.expulsion import Expulsion
 from coupling.metrics.fold_figures import FoldFigures
 from coupling.motion.frame import frame_of
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
@@ -50,6 +51,7 @@ class Participants:
         self.cloth = diaphragm_of(scene)
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.folds = FoldFigures(scene, self.cloth.reference, self.cloth.triangles)
+        self.expulsion = Expulsion(scene, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
         self.halving = Halving(control=self._error_control())
@@ -162,6 +164,7 @@ class Participants:
     def sample(self, time: float, report: StepReport, metrics: dict[str, float]) -> Sample:
         """Results of the committed state at ``time`` [s], with ``metrics`` among its own."""
         state, liquid = self.cloth.state, report.sample
+        own = self.folds.metrics(state) | self.expulsion.metrics(state, self._load)
         pressures = still(len(state.position))
         if liquid is not None:
             pressures = at_nodes(liquid, self.step.to_nodes)
@@ -170,7 +173,7 @@ class Participants:
             load=self._load, acceleration=self._acceleration(time),
             displacement=self.frame.displacement(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
-            metrics=metrics | self.step.metrics(liquid) | self.folds.metrics(state),
+            metrics=metrics | self.step.metrics(liquid) | own,
         )  # fmt: skip
         if liquid is not None:
             self.band.add(sample, self.cloth.triangles)

@@ -98,12 +98,13 @@ METRIC_UNITS = {
     **dict.fromkeys(
         (
             "hydrostatic_pressure_rms", "dynamic_pressure_rms", "unsteady_pressure_rms",
-            "kinetic_pressure_rms", "viscous_traction_rms",
+            "kinetic_pressure_rms", "viscous_traction_rms", "pressure_drop", "pressure_drop_chords",
+            "outlet_pressure",
         ),
         "Pa",
     ),
     "wall_slip": "m^4/s^2",
-    **dict.fromkeys(("wall_distance", "patch_distance", "mesh_cg_offset"), "m"),
+    **dict.fromkeys(("wall_distance", "patch_distance", "mesh_cg_offset", "outlet_gap"), "m"),
     **dict.fromkeys(("fold_radius", "fold_tenth_radius"), "m"),
     **dict.fromkeys(("non_orthogonality_max", "fold_polar", "fold_azimuth"), "deg"),
     "folded_area": "m^2",
