@@ -34,7 +34,8 @@ def energy_section(run: RunFiles) -> Section | None:
     return Section(
         title="Where the energy goes",
         text="Liquid and diaphragm together, in the tank’s frame, summed over every step: the work "
-        "of the tank’s acceleration, less the energy that is stored, has been dissipated.",
+        "of the tank’s acceleration, or of the datum pressure on liquid that is drawn, less the "
+        "energy that is stored, has been dissipated.",
         tables=[energy_table(run)],
         pictures=[_stored(run), _lost(run)],
     )
@@ -45,8 +46,10 @@ def energy_table(run: RunFiles) -> Table:
     energy = run.summary["energy"]
     period = energy["per_period"]
     if period is None:
+        drawn = run.scene.supply.drawn
+        of = "datum pressure on the drawn volume" if drawn else "tank’s acceleration"
         rows = [
-            ["Work of the tank’s acceleration", number(energy["work_J"], "J"), ""],
+            [f"Work of the {of}", number(energy["work_J"], "J"), ""],
             ["Dissipated", number(energy["dissipated_J"], "J"), ""],
             ["Largest energy stored", number(energy["peak_J"], "J"), ""],
         ]

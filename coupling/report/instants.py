@@ -15,13 +15,15 @@ from coupling.report.page import Picture
 from coupling.report.picture import draw_tank, period_rows, pressure_colours
 from coupling.report.section_cut import cut, horizontal
 from coupling.report.style import BLUE, GREY, INK, new_figure, png, svg
-from coupling.report.window import by_record
+from coupling.report.window import by_record, drawn
 
 COUNT = 4
 
 
 def shown_instants(run: RunFiles) -> str:
     """Which instants are shown, in words."""
+    if drawn(run.results):
+        return "of the whole run"
     if by_record(run.results):
         return "of the second about the one at which the CG is farthest from its mean"
     return "of the last period, or of the second half of a short run"

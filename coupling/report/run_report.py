@@ -74,7 +74,10 @@ def _sections(run: RunFiles) -> list[Section]:
     sections = [_shape(run)] if len(run.results.time) else []
     drawn = expulsion_section(run)
     sections += [drawn] if drawn else []
-    if len(run.results.time) > 1:
+    if drawn:
+        energy = energy_section(run)
+        sections += [energy] if energy else []
+    elif len(run.results.time) > 1:
         energy = energy_section(run)
         by_record = run.summary.get("record") is not None
         moved = record_sections(run) if by_record else [_motion(run)]

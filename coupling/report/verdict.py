@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from coupling.estimate.numbers import numbers_of
 from coupling.motion.shaking import moves
 from coupling.report.files import RunFiles
@@ -14,6 +16,9 @@ def verdict(run: RunFiles) -> tuple[str, str]:
     """Headline and explanation for a run."""
     figures = run.summary["bernoulli"]
     momentum, dynamic = figures["neglected_momentum"], figures["dynamic_fraction"]
+    drawn = run.summary.get("expulsion")
+    if drawn is not None:
+        return _of_expulsion(run, drawn)
     if not moves(run.scene):
         return (
             "The tank is at rest: the pressure is hydrostatic.",
@@ -31,6 +36,21 @@ def verdict(run: RunFiles) -> tuple[str, str]:
         "tank's own acceleration, and hydrostatics holds no force for that. "
         f"The pressure left out is {percent(dynamic)} (rms) of the hydrostatic pressure's "
         f"variation over the diaphragm{_median(run)}." + _shortness(run)
+    )
+
+
+def _of_expulsion(run: RunFiles, found: dict[str, Any]) -> tuple[str, str]:
+    """What the diaphragm takes of the gas's pressure while liquid is drawn, and what stays."""
+    residual = found["outlet_covered_at_fill"]
+    stays = "the outlet stays open"
+    if residual is not None:
+        stays = f"the diaphragm covers the outlet at {percent(residual)}"
+    return (
+        f"Drawn from {percent(run.scene.liquid.fill_fraction)} to "
+        f"{percent(found['fill_fraction_end'])} of the tank: {stays}.",
+        f"The diaphragm takes {number(found['pressure_drop_max_Pa'], 'Pa')} of the gas’s pressure "
+        f"at the most, {number(found['pressure_drop_mean_Pa'], 'Pa')} in the mean over the drawn "
+        "volume.",
     )
 
 
@@ -81,6 +101,9 @@ def _of_hydrostatics(run: RunFiles, momentum: float) -> tuple[str, str]:
 
 def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
     """The key figures under the verdict: name, value, remark."""
+    drawn = run.summary.get("expulsion")
+    if drawn is not None:
+        return _expulsion_keys(drawn)
     figures = run.summary["bernoulli"]
     dynamic, unknown = figures["dynamic_fraction"] if run.has_flow else None, "no flow to measure"
     measured = "measured" if run.has_flow else unknown
@@ -89,6 +112,23 @@ def bernoulli_keys(run: RunFiles) -> list[tuple[str, str, str]]:
         ("Dynamic over hydrostatic pressure", percent(dynamic), "rms" if run.has_flow else unknown),
         _cg_key(run),
         ("Hydrostatic over unsteady term", ratio(figures["unsteady_ratio"]), measured),
+    ]
+
+
+def _expulsion_keys(found: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """The key figures of a tank that is drawn empty."""
+    at, damped = found["pressure_drop_max_at_fill"], found["pressure_drop_damping_Pa"]
+    residual = found["residual_volume_m3"]
+    left = number(None if residual is None else 1e3 * residual, "l")
+    return [
+        ("Largest pressure drop", number(found["pressure_drop_max_Pa"], "Pa"), f"at {percent(at)}"),
+        (
+            "Mean pressure drop",
+            number(found["pressure_drop_mean_Pa"], "Pa"),
+            f"{number(damped, 'Pa', 2)} of it by damping",
+        ),
+        ("Liquid left when the outlet is covered", left, "" if residual else "it stays open"),
+        ("Work of the drop", number(found["work_J"], "J"), ""),
     ]
 
 

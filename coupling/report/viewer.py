@@ -22,6 +22,7 @@ from coupling.report.files import RunFiles
 from coupling.report.instants import shown_instants, views
 from coupling.report.page import Section
 from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
+from coupling.scene.scene import Scene
 from coupling.store.results import Results
 
 WHOLE, STATIC, DYNAMIC = "pressure", "hydrostatic", "dynamic"  # quantities of the view
@@ -88,11 +89,19 @@ def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str
             "radius": shell.size,
         },
         "pull": _rounded(pull / np.maximum(np.linalg.norm(pull, axis=1), 1e-300)[:, None]),
-        "level": shell.level_of(scene.liquid_volume, np.array([0.0, 0.0, 1.0])) / shell.size,
+        "level": _level(scene),
         "camera": {"azimuth": azimuth, "elevation": elevation},
         "colours": {"diverging": _colours(DIVERGING), "sequential": _colours(SEQUENTIAL)},
     }
     return json.dumps(content, separators=(",", ":"), allow_nan=False)
+
+
+def _level(scene: Scene) -> float | None:
+    """Height of the level liquid over the shell's size; None where it is drawn and has no one."""
+    if scene.supply.drawn:
+        return None
+    shell = scene.tank.shell
+    return shell.level_of(scene.liquid_volume, np.array([0.0, 0.0, 1.0])) / shell.size
 
 
 def _affordable(runs: Sequence[RunFiles]) -> int:

@@ -24,8 +24,19 @@ def by_record(results: Results) -> bool:
     return motion.get("kind") in MOTIONS and MOTIONS[motion["kind"]].reads_file
 
 
+def drawn(results: Results) -> bool:
+    """Whether liquid is drawn from the run's tank, of which the whole run is shown."""
+    supply = tomllib.loads(results.scene_toml).get("supply") or {}
+    return "end_fill_fraction" in supply
+
+
 def liveliest(results: Results) -> Window | None:
-    """The second round the instant at which the CG is farthest from its mean; None of a sine."""
+    """The second round the instant at which the CG is farthest from its mean; None of a sine.
+
+    The whole run where liquid is drawn.
+    """
+    if len(results.time) and drawn(results):
+        return float(results.time[0]), float(results.time[-1])
     if not len(results.time) or not by_record(results):
         return None
     away = np.linalg.norm(results.liquid_cg - results.liquid_cg.mean(axis=0), axis=1)

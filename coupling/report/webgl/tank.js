@@ -63,6 +63,7 @@ class Tank {
     );
     this.free.computeLineDistances();
     this.level = level * radius;
+    this.free.visible = level !== null; // liquid that is drawn has no one level
     this.cg = new THREE.Mesh(
       new THREE.SphereGeometry(0.022 * radius, 16, 12),
       new THREE.MeshBasicMaterial({ color: INK, depthTest: false, transparent: true }),
