@@ -39,7 +39,7 @@ def run_row(point: str, scene: Scene, trial: Trial, limit: float) -> dict[str, A
         "point": point,
         "radius_m": radius,
         "thickness_m": thickness,
-        "mass_kg": scene.diaphragm.sheet.area_density * _area(scene.mould),
+        "mass_kg": scene.sheet.area_density * _area(scene.mould),
         "thickness_over_radius": thickness / scene.tank.shell.size,
         "wavelength_over_radius": wavelength / scene.tank.shell.size,
         "status": "failed" if trial.value is None else "completed",

@@ -181,7 +181,7 @@ def _wrinkles(scene: Scene) -> dict[str, Any]:
 
 def numbers_of(scene: Scene) -> Numbers:
     """Dimensionless numbers of ``scene``."""
-    shell, density, rubber = scene.tank.shell, scene.liquid.density, scene.diaphragm
+    shell, density, rubber = scene.tank.shell, scene.liquid.density, scene.sheet
     radius = shell.size
     gravity = float(np.linalg.norm(scene.gravity))
     body_force = largest_body_force(scene)
@@ -190,7 +190,7 @@ def numbers_of(scene: Scene) -> Numbers:
         eigenvalue=eigenvalue,
         radius=radius,
         gravity=gravity,
-        cover=rubber.sheet.area_density / (density * radius),
+        cover=rubber.area_density / (density * radius),
     )
     f = driving_frequency(scene)
     return Numbers(
@@ -211,7 +211,7 @@ def numbers_of(scene: Scene) -> Numbers:
         added_mass_ratio=added_mass_ratio(
             density=density,
             radius=radius,
-            area_density=rubber.sheet.area_density,
+            area_density=rubber.area_density,
             eigenvalue=eigenvalue,
         ),
         hydrostatic_error=hydrostatic_error(f, f1),

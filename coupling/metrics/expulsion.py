@@ -78,7 +78,7 @@ def covering_gap(scene: Scene) -> float:
     By so much the middle of a triangle with a circumscribed circle of the grid's spacing h is off
     the shell, of radius R, on which its corners lie.
     """
-    spacing = grid_spacing(scene.tank.mould.length, scene.cloth)
+    spacing = grid_spacing(scene.mould.length, scene.cloth)
     return 0.5 * spacing**2 / scene.tank.shell.size
 
 

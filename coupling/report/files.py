@@ -104,11 +104,9 @@ def _counted(results: Results, scene: Scene, iterations: Array) -> RunStatistics
 
 
 def _thickness(results: Results, scene: Scene) -> Array | float:
-    """Of the rubber [m]; of every triangle (m,) where a map gives it."""
-    ridges = scene.diaphragm.moulded_thickness
-    if ridges is None:
-        return scene.diaphragm.thickness
-    return ridges.at(results.reference[results.triangles].mean(axis=1))
+    """Of the rubber [m]; of every triangle (m,) where it is uneven."""
+    uneven = scene.thickness_at(results.reference[results.triangles].mean(axis=1))
+    return scene.diaphragm.thickness if uneven is None else uneven
 
 
 def pressure_rms(run: RunFiles) -> tuple[Array, Array]:

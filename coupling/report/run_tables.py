@@ -36,6 +36,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
     """What was simulated, and the numbers that follow from it."""
     scene = run.scene
     motion, liquid, rubber, time = scene.motion, scene.liquid, scene.diaphragm, scene.time
+    uneven = rubber.thickness_range[0] < rubber.thickness_range[1]
     facts = MOTIONS[motion.kind].facts(motion)
     shaking = ", ".join(fact if isinstance(fact, str) else number(*fact) for fact in facts)
     sizes = FLUIDS[scene.model.fluid].size(scene).values()
@@ -46,8 +47,8 @@ def scene_tables(run: RunFiles) -> list[Table]:
         ["Liquid", f"{liquid.name or ''} {number(liquid.density, 'kg/m³', 4)}".strip()],
         ["Kinematic viscosity", number(liquid.viscosity, "m²/s")],
         [
-            "Diaphragm’s thickness" + (", mean" if rubber.thickness_map else ""),
-            number(1e3 * rubber.thickness, "mm", 4),
+            "Diaphragm’s thickness" + (", mean" if uneven else ""),
+            number(1e3 * scene.mean_thickness, "mm", 4),
         ],
         ["Diaphragm’s density", number(rubber.density, "kg/m³", 4)],
         ["Young’s modulus", number(rubber.youngs_modulus / 1e6, "MPa")],

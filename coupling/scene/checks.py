@@ -16,6 +16,7 @@ from coupling.scene.choices import (
     motions_reading,
 )
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
+from coupling.scene.ridges import ridge_problems
 from coupling.scene.sections import LEAST, Motion
 from coupling.scene.supply import supply_problems
 from coupling.scene.wrinkles import (
@@ -44,6 +45,7 @@ def problems_between(scene: Scene) -> list[str]:
         *_check_grid(scene),
         *_check_losses(scene),
         *_check_wrinkling(scene),
+        *ridge_problems(scene),
         *_check_motion(scene),
         *_check_time(scene),
         *supply_problems(scene),

@@ -18,6 +18,8 @@ from coupling.scene.sections import LARGEST, Section
 from coupling.scene.tables.text import TableError
 from coupling.scene.thickness_map import ThicknessMap, read_thickness_map
 
+__all__ = ["Diaphragm", "Sheet", "named_material"]
+
 _MATERIAL: dict[str, Any] = {"instead": 'a known material such as material = "AF-E-332"'}
 _MAP: dict[str, Any] = {"instead": "a thickness_map"}
 
@@ -93,7 +95,8 @@ class Diaphragm(Section):
 
     Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
     breaks at ``strength``: it is there to be compared with the tension. With a ``thickness_map``,
-    ``thickness`` is left out and stands for the map's mean over the moulded area. A hinged rim
+    ``thickness`` is left out and stands for the map's mean over the moulded area. With ridges it
+    is that of the rubber between them. A hinged rim
     turns freely, as the thesis' simple support does; a clamped one holds the moulded slope.
     """
 
@@ -113,6 +116,17 @@ class Diaphragm(Section):
         default="upper",
         description='part of the shell to which the rubber is moulded: "upper" or "lower", above '
         "or below the rim",
+    )
+    ridge_number: int | None = Field(default=None, ge=1, le=1000, description="number of ridges")
+    ridge_width: float | None = Field(
+        default=None, gt=0, description="width of a ridge from foot to foot [m]"
+    )
+    ridge_height: float | None = Field(
+        default=None, gt=0, description="height of a ridge over the rubber between ridges [m]"
+    )
+    ridge_direction: Literal["circumferential", "radial"] = Field(
+        default="circumferential",
+        description='direction of the ridges: "circumferential" (circles) or "radial" (meridians)',
     )
     material: str | None = Field(default=None, description="name of a built-in elastomer")
     density: float = Field(
@@ -180,10 +194,10 @@ class Diaphragm(Section):
     @property
     def thickness_range(self) -> tuple[float, float]:
         """Least and largest thickness [m]."""
-        ridges = self.moulded_thickness
-        if ridges is None:
-            return self.thickness, self.thickness
-        return float(ridges.thickness.min()), float(ridges.thickness.max())
+        by_map = self.moulded_thickness
+        if by_map is None:
+            return self.thickness, self.thickness + (self.ridge_height or 0.0)
+        return float(by_map.thickness.min()), float(by_map.thickness.max())
 
     @property
     def sheet(self) -> Sheet:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -17,13 +18,15 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from coupling.ports import Array
 from coupling.scene.checks import problems_between
 from coupling.scene.choices import motion_kind
-from coupling.scene.diaphragm import Diaphragm
+from coupling.scene.diaphragm import Diaphragm, Sheet
 from coupling.scene.errors import SceneError, problems_of
 from coupling.scene.numerics import Cloth, Coupling, OpenFoam, Potential, Time
 from coupling.scene.periods import in_seconds
 from coupling.scene.report import Report
+from coupling.scene.ridges import ridges_of
 from coupling.scene.sections import Liquid, Model, Motion, Section, Vector
 from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
 from coupling.scene.supply import Supply, with_duration
@@ -83,6 +86,24 @@ class Scene(Section):
         """The shape in which the diaphragm is moulded: the shell's above or below the rim."""
         shell = self.tank.shell
         return shell.upper_part() if self.diaphragm.mould == "upper" else shell.lower_part()
+
+    @cached_property
+    def mean_thickness(self) -> float:
+        """Of the diaphragm's moulded area [m]."""
+        ridges = ridges_of(self.diaphragm)
+        return self.diaphragm.thickness if ridges is None else ridges.mean(self.mould)
+
+    @property
+    def sheet(self) -> Sheet:
+        """The rubber as the cloth knows it, of its mean thickness."""
+        return replace(self.diaphragm.sheet, thickness=self.mean_thickness)
+
+    def thickness_at(self, points: Array) -> Array | None:
+        """Thickness (k,) [m] at ``points`` (k, 3) [m] of the mould; None where it is even."""
+        by_map, ridges = self.diaphragm.moulded_thickness, ridges_of(self.diaphragm)
+        if by_map is not None:
+            return by_map.at(self.mould.directions(points))
+        return None if ridges is None else ridges.at(points, self.mould)
 
     @property
     def frequency(self) -> float | None:

@@ -59,7 +59,7 @@ def film_fraction(scene: Scene) -> float:
     is (a^2 + b^2 + c^2)/(24 R) off it in the mean, an equilateral one of height h so h^2/(6 R), and
     half a sphere is covered. Within 5 % on 6 to 24 rings.
     """
-    spacing = grid_spacing(scene.tank.mould.length, scene.cloth)
+    spacing = grid_spacing(scene.mould.length, scene.cloth)
     return (0.5 * spacing / scene.tank.shell.size) ** 2
 
 

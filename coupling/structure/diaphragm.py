@@ -70,8 +70,8 @@ class Diaphragm(IterativeStructure, Protocol):
 def diaphragm_of(scene: Scene) -> Diaphragm:
     """The scene's diaphragm in its moulded shape.
 
-    A map's thickness is taken at the centroid of each moulded triangle. ``TableError`` if the map
-    has changed since the scene was read and is now wrong.
+    The thickness of a map or of ridges is taken at the centroid of each moulded triangle.
+    ``TableError`` if the map has changed since the scene was read and is now wrong.
     The thesis' own steps are of 1 ms, or of ``time.step`` if that is shorter.
     """
     cloth, shell = scene.cloth, scene.tank.shell
@@ -86,14 +86,11 @@ def diaphragm_of(scene: Scene) -> Diaphragm:
     gravity = float(np.linalg.norm(scene.gravity))
     swing = float(np.sqrt(shell.size / gravity))  # [s]
     area = scene.liquid.density * shell.size**2  # [kg/m]
-    mesh, ridges = moulded(scene.mould, cloth.resolution), scene.diaphragm.moulded_thickness
-    thickness = None
-    if ridges is not None:
-        centroids = mesh.points[mesh.triangles].mean(axis=1)
-        thickness = ridges.at(scene.mould.directions(centroids))
+    mesh = moulded(scene.mould, cloth.resolution)
+    thickness = scene.thickness_at(mesh.points[mesh.triangles].mean(axis=1))
     return Cloth(
         mesh=mesh,
-        diaphragm=scene.diaphragm.sheet,
+        diaphragm=scene.sheet,
         thickness=thickness,
         shell=shell,
         tensile_stiffness=cloth.stiffness * area * largest_body_force(scene)
@@ -121,7 +118,7 @@ def _relaxed(scene: Scene) -> float:
     elasto-gravity wavelength (Pocivavsek et al. 2008), or the largest one that the grid has.
     """
     weight = scene.liquid.density * float(np.linalg.norm(scene.gravity))  # [N/m^3]
-    bending = scene.diaphragm.sheet.bending_stiffness
+    bending = scene.sheet.bending_stiffness
     shortest = math.pi / grid_spacing(scene.mould.length, scene.cloth)
     square = min(math.sqrt(weight / bending), shortest**2)
     buckling = bending * square + weight / square
