@@ -44,16 +44,7 @@ def write_surface(results: Results, path: Path, time: float | None = None) -> fl
     RunFailed
         The file cannot be written.
     """
-    instants = results.time
-    if not len(instants):
-        raise NoInstantError("no instant was written yet. Wait for the run's first step.")
-    time = float(instants[-1]) if time is None else time
-    if not instants[0] <= time <= instants[-1]:
-        raise NoInstantError(
-            f"has instants from {instants[0]:g} to {instants[-1]:g} s, got {time:g}. "
-            "Give a time between."
-        )
-    row = int(np.argmin(np.abs(instants - time)))
+    row = instant_row(results, time)
     values = {} if path.suffix == ".stl" else {n: getattr(results, n)[row] for n in _SCALARS}
     mesh = meshio.Mesh(
         results.position[row],
@@ -62,4 +53,23 @@ def write_surface(results: Results, path: Path, time: float | None = None) -> fl
     )
     with replacing(path) as part:
         mesh.write(part, file_format=FORMATS[path.suffix], binary=True)
-    return float(instants[row])
+    return float(results.time[row])
+
+
+def instant_row(results: Results, time: float | None, *, first: bool = False) -> int:
+    """Return the row of the written instant nearest to a time [s].
+
+    Without a time that of the last instant, or of the ``first``. Raises ``NoInstantError`` where no
+    instant was written or the time is outside of the run.
+    """
+    instants = results.time
+    if not len(instants):
+        raise NoInstantError("no instant was written yet. Wait for the run's first step.")
+    if time is None:
+        return 0 if first else len(instants) - 1
+    if not instants[0] <= time <= instants[-1]:
+        raise NoInstantError(
+            f"has instants from {instants[0]:g} to {instants[-1]:g} s, got {time:g}. "
+            "Give a time between."
+        )
+    return int(np.argmin(np.abs(instants - time)))
