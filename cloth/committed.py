@@ -36,9 +36,17 @@ def committed(
     )
     damping, strained = p.settings.stretch_damping, rubber - m.rubber_strain
     losses = replace(
-        sheet_losses(p.model, p.settings, after, p.kin.b),
+        sheet_losses(p.model, p.settings, _in_shell(p, after), p.kin.b),
         stretch=stretch_loss(p.model, damping, strained, slack, p.dt),
         shell_friction=float(np.vdot(s.rub, s.position - m.position)) / p.dt,
         self_friction=float(np.vdot(s.self_rub, s.position - m.position)) / p.dt,
     )
     return after, losses
+
+
+def _in_shell(problem: StepProblem, after: Memory) -> Memory:
+    """``after`` with the velocity in the shell's own axes, where that turns."""
+    p = problem
+    if p.own is p.kin:
+        return after
+    return replace(after, velocity=p.own.velocity(after.position))

@@ -67,7 +67,7 @@ class Iteration:
             self.x, model.shell.profile, self.weight, r, p.settings.shell_friction, p.committed,
             self.zc, self.uc, self.rub,
             model.triangles, gradient, bent.starts, bent.columns, bent.values, bent.moment,
-            self.damped, p.kin.position_anchor, self.drag, rhs,
+            self.damped, p.own.position_anchor, self.drag, rhs,
         )  # fmt: skip
         if self.planes is not None:
             self.planes.step(

@@ -11,6 +11,22 @@ import numpy as np
 from cloth.arrays import Array
 
 
+class Turn(Protocol):
+    """How the axes of shell and rim, in which positions are given, turn in a step.
+
+    A vector x in them is Q x in those at the step's end. The sheet's inertia is that of axes that
+    do not turn; friction, damping and the rubber see its motion in the shell's.
+    """
+
+    @property
+    def last(self) -> Array:
+        """Q (3, 3) from the axes at the step's start."""
+
+    @property
+    def before(self) -> Array:
+        """Q (3, 3) from the axes at the start of the step before."""
+
+
 class Load(Protocol):
     """The liquid's pressure p = datum + density * body_force . x, towards the gas.
 
@@ -24,7 +40,7 @@ class Load(Protocol):
 
     @property
     def body_force(self) -> Array:
-        """Gravity less the tank's acceleration (3,) [m/s^2]."""
+        """Gravity less the tank's acceleration (3,) [m/s^2], in the axes of the step's end."""
 
     @property
     def volume(self) -> float | None:
@@ -33,6 +49,10 @@ class Load(Protocol):
     @property
     def datum(self) -> float | None:
         """Given pressure at the tank's centre [Pa], where the volume is free."""
+
+    @property
+    def turn(self) -> Turn | None:
+        """How the tank turns in the step, None where it does not."""
 
 
 @dataclass(frozen=True, kw_only=True)

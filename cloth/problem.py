@@ -23,7 +23,9 @@ class StepProblem:
     ``constant_force`` (n, 3) [N] does not depend on the iterate.
     ``committed`` (n, 3) [m] is the step's start; ``start`` (n, 3) [m] and ``datum`` [Pa] are where
     the iteration sets out; ``penalty`` [N/m] is the stretch's; ``rest`` (m, 3) is the strain free
-    of tension, (0, 3) where that is none.
+    of tension, (0, 3) where that is none. ``own``: the kinematics of the motion in the shell's own
+    axes, which damping sees; ``kin`` is that in axes that do not turn, ``own`` where the shell does
+    not.
     """
 
     model: ClothModel
@@ -34,6 +36,7 @@ class StepProblem:
     scale: float
     kin: Kinematics
     load: Load
+    own: Kinematics
     committed: Array
     start: Array
     datum: float
@@ -79,8 +82,10 @@ def constant_force(
     settings: Settings,
     system: System,
     kin: Kinematics,
-    body_force: Array,
+    own: Kinematics,
+    load: Load,
     rows: Array | None,
+    driven: Array | None = None,
 ) -> Array:
     """Return what no iteration changes in the right-hand side: inertia, weight, damping and rim.
 
@@ -94,18 +99,23 @@ def constant_force(
         The sheet, its damping, and the step's matrix.
     kin
         Kinematics of the step.
-    body_force
-        Gravity less the tank's acceleration (3,) [m/s^2].
+    own
+        Those of the motion in the shell's own axes.
+    load
+        The liquid's load, with gravity less the tank's acceleration.
     rows
         B/b of the liquid's inertia (r, n, 3) [sqrt(N/m)]; None without one.
+    driven
+        What the fixed nodes' acceleration adds to it (r,) [sqrt(N m)], as
+        ``cloth.turning.rim_inertia`` returns it; None where they have none.
 
     Returns
     -------
     Array
         Nodal forces (n, 3) [N], zero on the fixed nodes.
     """
-    b, anchor = kin.b, kin.position_anchor
-    inertial = model.mass[:, None] * (kin.prediction / b**2 + body_force)
+    b, anchor = kin.b, own.position_anchor
+    inertial = model.mass[:, None] * (kin.prediction / b**2 + load.body_force)
     drag = (settings.drag / b * model.mass)[:, None] * anchor
     damping = -settings.bending_damping / b * model.held_normals_force(anchor)
     rim = system.lift(model.clamped, model.mesh.fixed)
@@ -113,6 +123,8 @@ def constant_force(
     total = inertial + drag + damping + rim
     if rows is not None:
         flat = rows.reshape(len(rows), -1)
-        total = total + (flat.T @ (flat @ kin.prediction.ravel())).reshape(-1, 3)
+        without = flat @ kin.prediction.ravel()
+        without = without if driven is None else without - driven
+        total = total + (flat.T @ without).reshape(-1, 3)
     total[model.mesh.fixed] = 0.0
     return np.asarray(total)

@@ -31,6 +31,7 @@ class _Turned:
     body_force: Array
     volume: float | None
     datum: float | None
+    turn: None = None  # of the tank; gravity turns here
 
 
 @dataclass(frozen=True, kw_only=True)

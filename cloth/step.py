@@ -10,7 +10,7 @@ from cloth.arrays import Array
 from cloth.committed import committed
 from cloth.energy import SheetEnergy, SheetLosses, rubber_at, sheet_energy
 from cloth.iteration import iterate
-from cloth.kinematics import Kinematics, kinematics
+from cloth.kinematics import Kinematics
 from cloth.linear import System
 from cloth.load import Load, Settings, penalty_of, step_scale
 from cloth.material import Diaphragm
@@ -19,6 +19,7 @@ from cloth.model import ClothModel
 from cloth.problem import Solution, StepProblem, constant_force
 from cloth.shell.shell import NO_SHELL, Shell
 from cloth.state import ClothState, Memory, state_of, untouched
+from cloth.turning import carried, expected, inertial, relative, rim_inertia
 from cloth.viscous import free_strain
 
 SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
@@ -79,6 +80,7 @@ class Cloth:
         self._memory.rubber_strain, _ = rubber_at(self.model, position)
         self._systems: dict[tuple[float, float, Settings], System] = {}
         self._kin: Kinematics | None = None
+        self._carried: Memory | None = None  # of a sheet that is held in a turning shell
         self._losses = SheetLosses()  # in the step that led to the committed state, if known
         self._problem: StepProblem | None = None
         self._first: Solution | None = None
@@ -101,15 +103,15 @@ class Cloth:
             raise ValueError("cloth load: give either the volume or the datum, not both.")
         m = self._memory
         self._solution, self._first = None, None
-        self._kin = kin = kinematics(
-            dt, float(m.previous_dt[0]), m.position, m.velocity,
-            m.previous_position, m.previous_velocity,
-        )  # fmt: skip
+        self._kin = kin = inertial(m, dt, load.turn)
+        own = kin if load.turn is None else relative(m, dt)
+        self._carried = m if load.turn is None else carried(m, kin, dt)
         if self.held:
             return
-        rows = None
+        rows, driven = None, None
         if liquid_inertia is not None and len(liquid_inertia) > 0:
             rows = np.where(self.model.free[None, :, None], liquid_inertia / kin.b, 0.0)
+            driven = None if own is kin else rim_inertia(liquid_inertia, self.model, kin)
         settings = self.settings if settings is None else settings
         penalty = settings.penalty
         if penalty is None:
@@ -132,13 +134,16 @@ class Cloth:
             ),
             kin=kin,
             load=load,
+            own=own,
             committed=m.position,
-            start=m.position + dt * m.velocity,
+            start=expected(m, dt, load.turn, self.model.clamped, self.model.free),
             datum=float(m.datum[0]),
             tension=m.tension,
             rest=free_strain(m.rubber_strain, settings.stretch_damping / dt),
             contact_force=m.contact_force,
-            constant_force=constant_force(self.model, settings, system, kin, load.body_force, rows),
+            constant_force=constant_force(
+                self.model, settings, system, kin, own, load, rows, driven
+            ),
         )
 
     def _factorised(self, settings: Settings, penalty: float, b: float) -> System:
@@ -208,6 +213,8 @@ class Cloth:
         self._begun()
         m, s = self._memory, self._solution
         if self.held:
+            assert self._carried is not None
+            self._memory = self._carried
             return
         if s is None:
             raise RuntimeError("cloth: accept_step needs a solve first.")

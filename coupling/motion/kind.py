@@ -12,7 +12,7 @@ from coupling.scene.sections import Motion
 
 
 class TankMotion(Protocol):
-    """Motion of the tank's centre in the laboratory frame; ``time`` [s], all results (3,)."""
+    """Motion of the tank's origin in the laboratory's axes; ``time`` [s], all results (3,)."""
 
     def displacement(self, time: float) -> Array:
         """From where the tank stood at time 0 [m]."""
@@ -33,6 +33,24 @@ class TankMotion(Protocol):
         """The one whose product with what moves in the step is the tank's work."""
 
 
+class Attitude(Protocol):
+    """A tank that turns; ``time`` [s]. Vectors are in the tank's own axes at that time.
+
+    ``sampled``: whether its acceleration is that of samples, which steps take the mean of.
+    """
+
+    sampled: bool
+
+    def matrix(self, time: float) -> Array:
+        """R (3, 3): a vector v in the tank's axes is R v in the laboratory's."""
+
+    def rate(self, time: float) -> Array:
+        """omega (3,) [rad/s]."""
+
+    def acceleration(self, time: float) -> Array:
+        """d(omega)/dt (3,) [rad/s^2]."""
+
+
 class MotionKind:
     """A kind of motion: what a scene, the run and the report ask of it.
 
@@ -48,6 +66,11 @@ class MotionKind:
     def motion(self, section: Motion) -> TankMotion:
         """The tank's motion that ``section`` describes."""
         raise NotImplementedError
+
+    def attitude(self, section: Motion) -> Attitude | None:
+        """How it turns the tank, None where it does not; ``motion`` is then the origin's."""
+        del section
+        return None
 
     def record(self, section: Motion) -> MotionTable | None:
         """The accelerations, measured or made, that it follows, None where it follows none."""
@@ -72,6 +95,10 @@ class MotionKind:
         """Accelerations (k, 3) [m/s^2] of the tank among which the largest are."""
         del section
         return np.zeros((1, 3))
+
+    def instants(self, section: Motion) -> Array:
+        """Times (k,) [s] of which a turning tank's largest accelerations are taken."""
+        raise NotImplementedError
 
     def facts(self, section: Motion) -> tuple[str | tuple[float, str], ...]:
         """The motion in a few words or values with their units, for a report's table."""

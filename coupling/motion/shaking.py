@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coupling.motion import MOTIONS
-from coupling.motion.kind import TankMotion
+from coupling.motion.kind import Attitude, TankMotion
 from coupling.ports import Array
 from coupling.scene.scene import Scene
 
@@ -13,6 +13,11 @@ from coupling.scene.scene import Scene
 def motion_of(scene: Scene) -> TankMotion:
     """The tank's motion that a scene describes."""
     return MOTIONS[scene.motion.kind].motion(scene.motion)
+
+
+def attitude_of(scene: Scene) -> Attitude | None:
+    """How a scene's tank turns; None where it does not."""
+    return MOTIONS[scene.motion.kind].attitude(scene.motion)
 
 
 def driving_frequency(scene: Scene) -> float:
@@ -26,8 +31,20 @@ def moves(scene: Scene) -> bool:
 
 
 def peak_accelerations(scene: Scene) -> Array:
-    """Accelerations (k, 3) [m/s^2] of the tank among which the largest are."""
-    return MOTIONS[scene.motion.kind].peak_accelerations(scene.motion)
+    """Accelerations (k, 3) [m/s^2] of the tank among which the largest are.
+
+    Of a tank that turns those which one that does not would need for the same body force in its
+    own axes: a tilt is one too.
+    """
+    kind, turning = MOTIONS[scene.motion.kind], attitude_of(scene)
+    if turning is None:
+        return kind.peak_accelerations(scene.motion)
+    motion, gravity = kind.motion(scene.motion), np.array(scene.gravity)
+    body = [
+        (gravity - motion.acceleration(time)) @ turning.matrix(time)
+        for time in kind.instants(scene.motion)
+    ]
+    return gravity - np.array(body)
 
 
 def largest_body_force(scene: Scene) -> float:

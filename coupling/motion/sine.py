@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coupling.motion.kind import MotionKind, TankMotion
+from coupling.motion.kind import Attitude, MotionKind, TankMotion
+from coupling.motion.lever import LeverMotion
 from coupling.ports import Array
 from coupling.scene.sections import Motion
 
@@ -70,22 +71,89 @@ class SineMotion:
         return 0.5 * (self.acceleration(start) + self.acceleration(end))
 
 
-class Sine(MotionKind):
-    """amplitude * s(t) * sin(2 pi frequency t) along the section's direction."""
+class SineAttitude:
+    """A turn about ``axis`` (3,), of any length but 0, by a sine that starts as ``SineMotion``'s.
 
-    needs = ("frequency", "amplitude")
-    gentler = "shake less (motion.amplitude)"
+    ``frequency`` [Hz]; ``angle`` [rad], centre to peak; ``ramp`` in periods.
+    """
+
+    sampled = False
+
+    def __init__(self, *, frequency: float, angle: float, axis: Array, ramp: float) -> None:
+        x, y, z = self._axis = np.asarray(axis) / np.linalg.norm(axis)
+        self._across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        self._angle = SineMotion(
+            frequency=frequency, amplitude=angle, direction=self._axis, ramp=ramp
+        )
+
+    def matrix(self, time: float) -> Array:
+        """R = 1 + sin(angle) K + (1 - cos(angle)) K^2, K v = axis x v (Rodrigues)."""
+        angle = float(self._angle.displacement(time) @ self._axis)
+        turned = np.sin(angle) * self._across
+        turned += 2.0 * np.sin(0.5 * angle) ** 2 * (self._across @ self._across)
+        return np.asarray(np.eye(3) + turned)
+
+    def rate(self, time: float) -> Array:
+        """Along the axis [rad/s]."""
+        return self._angle.velocity(time)
+
+    def acceleration(self, time: float) -> Array:
+        """Along the axis [rad/s^2]."""
+        return self._angle.acceleration(time)
+
+
+class Sine(MotionKind):
+    """amplitude * s(t) * sin(2 pi frequency t) along the section's direction.
+
+    And, or in place of it, a turn by ``angle`` in time with it about the ``axis`` through a
+    ``point`` of the tank, which moves so.
+    """
+
+    needs = ("frequency",)
+    takes = ("amplitude", "angle", "point")
+    gentler = "shake less (motion.amplitude, motion.angle)"
 
     def motion(self, section: Motion) -> TankMotion:
-        """The sine of ``section``."""
+        """The sine of ``section``, at the tank's origin."""
         assert section.frequency is not None
-        assert section.amplitude is not None
-        return SineMotion(
+        of_point = SineMotion(
             frequency=section.frequency,
-            amplitude=section.amplitude,
+            amplitude=section.amplitude or 0.0,
             direction=section.unit_direction,
             ramp=section.ramp,
         )
+        turning = self.attitude(section)
+        if turning is None or section.point is None:
+            return of_point
+        return LeverMotion(of_point, turning, np.array(section.point))
+
+    def attitude(self, section: Motion) -> Attitude | None:
+        """The turn of ``section``, None without an angle."""
+        if not section.angle or section.frequency is None:
+            return None
+        return SineAttitude(
+            frequency=section.frequency,
+            angle=np.radians(section.angle),
+            axis=np.array(section.axis),
+            ramp=section.ramp,
+        )
+
+    def problems(self, section: Motion, end: float, step: float) -> list[str]:
+        """Neither an amplitude nor an angle, or an angle about no axis."""
+        del end, step
+        problems = []
+        if section.amplitude is None and section.angle is None:
+            description = type(section).model_fields["amplitude"].description
+            problems.append(
+                f'motion.amplitude: is required for kind = "sine". Give the {description}, or an '
+                "angle of rotation (motion.angle)."
+            )
+        if section.angle is not None and not any(section.axis):
+            problems.append(
+                "motion.axis: must not be zero, got [0, 0, 0]. Give the axis that the tank turns "
+                "about, such as [0.0, 1.0, 0.0]."
+            )
+        return problems
 
     def frequency(self, section: Motion) -> float | None:
         """Of the sine [Hz]."""
@@ -98,10 +166,20 @@ class Sine(MotionKind):
         peak = section.amplitude * (2.0 * np.pi * section.frequency) ** 2
         return np.outer([peak, -peak], section.unit_direction)
 
+    def instants(self, section: Motion) -> Array:
+        """A period without the smooth start."""
+        assert section.frequency is not None
+        return (section.ramp + np.arange(48) / 48.0) / section.frequency
+
     def facts(self, section: Motion) -> tuple[str | tuple[float, str], ...]:
-        """Frequency and amplitude."""
-        amplitude = 1e3 * (section.amplitude or 0.0)
-        return (section.frequency or 0.0, "Hz"), (amplitude, "mm centre to peak")
+        """Frequency and amplitudes."""
+        amplitude, angle = 1e3 * (section.amplitude or 0.0), section.angle
+        facts = [(section.frequency or 0.0, "Hz")]
+        if section.amplitude is not None or not angle:
+            facts.append((amplitude, "mm centre to peak"))
+        if angle:
+            facts.append((angle, "degrees centre to peak"))
+        return tuple(facts)
 
 
 SINE = Sine()

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from coupling.motion.kind import MotionKind, TankMotion
+from coupling.motion.attitude import AngleAttitude, RateAttitude
+from coupling.motion.kind import Attitude, MotionKind, TankMotion
+from coupling.motion.lever import LeverMotion
+from coupling.motion.mean import carried_mean, mean_over
 from coupling.ports import Array
 from coupling.scene.motion_table import NEAR_GRAVITY, MotionTable
 from coupling.scene.sections import Motion
@@ -43,41 +48,61 @@ class TableMotion:
         return np.asarray(self._acceleration(time), dtype=np.float64)
 
     def step_acceleration(self, start: float, end: float, previous: float) -> Array:
-        """Mean over the step, carried from its middle to its end [m/s^2].
-
-        Carried along the line through the mean over the step before. This is the difference of the
-        tank's velocity, the integral of the table, by the steps' own implicit formula
-        (``cloth.kinematics``): a body that nothing holds changes its velocity in every step by the
-        integral over it, exactly. A sample would take what is faster than the steps for slow motion
-        or miss it, and the mean alone, used at the step's end, would be late by half a step.
-        """
-        step = end - start
-        mean = self.working_acceleration(start, end)
-        if previous <= 0.0:
-            return mean
-        before = self.working_acceleration(start - previous, start)
-        return mean + step / (step + previous) * (mean - before)
+        """Mean over the step, carried from its middle to its end [m/s^2]: ``carried_mean``."""
+        return carried_mean(self._velocity, start, end, previous)
 
     def working_acceleration(self, start: float, end: float) -> Array:
         """Mean over the step [m/s^2]: the tank's change of velocity over the step's length."""
-        change = self._velocity(end) - self._velocity(start)
-        return np.asarray(change / (end - start), dtype=np.float64)
+        return mean_over(self._velocity, start, end)
+
+
+@lru_cache(maxsize=2)  # a run asks for the same record again and again
+def _attitude_of(table: MotionTable) -> Attitude | None:
+    if table.rates is not None:
+        return RateAttitude(table.time, table.rates)
+    return None if table.angles is None else AngleAttitude(table.time, table.angles)
+
+
+@lru_cache(maxsize=2)
+def _unturned(table: MotionTable, at_rest: tuple[float, float, float]) -> MotionTable:
+    """A ``table`` with rotation in axes that do not turn, less what an upright tank shows at rest.
+
+    A logger on the tank shows R^T (a - g) where it contains gravity, and R^T a where not: R times
+    that, less -g or 0.
+    """
+    turning = _attitude_of(table)
+    assert turning is not None
+    turned = [turning.matrix(t) @ a for t, a in zip(table.time, table.acceleration, strict=True)]
+    return replace(table, acceleration=np.array(turned)).less(at_rest)
 
 
 class Table(MotionKind):
     """Accelerations from a CSV file, read once (``Motion.record``)."""
 
     needs = ("file",)
-    takes = ("at_rest",)
+    takes = ("at_rest", "point")
     reads_file = True
 
     def motion(self, section: Motion) -> TankMotion:
-        """Of the section's record."""
-        return TableMotion(section.record)
+        """Of the section's record, at the tank's origin."""
+        of_point, turning = TableMotion(self._unturned(section)), self.attitude(section)
+        if turning is None:
+            return of_point
+        return LeverMotion(of_point, turning, np.array(section.point or (0.0, 0.0, 0.0)))
+
+    def attitude(self, section: Motion) -> Attitude | None:
+        """Of the record's angular rates or angles, None where it has neither."""
+        return _attitude_of(section.record)
+
+    def _unturned(self, section: Motion) -> MotionTable:
+        """The section's record in axes that do not turn."""
+        if not section.record.turns:
+            return section.record
+        return _unturned(section.record, section.at_rest or (0.0, 0.0, 0.0))
 
     def record(self, section: Motion) -> MotionTable | None:
-        """The section's table."""
-        return section.record
+        """The section's table, in axes that do not turn."""
+        return self._unturned(section)
 
     def problems(self, section: Motion, end: float, step: float) -> list[str]:
         """A table that cannot be read, may contain gravity or does not cover the run."""
@@ -104,15 +129,32 @@ class Table(MotionKind):
                 f"motion.file: {section.file}: must cover 0 to {end:g} s, covers {first:g} to "
                 f"{last:g} s. Shorten time.duration, or give a longer table that starts at 0."
             ]
-        return []
+        return self._upside_down(section, table.time[table.time <= end])
+
+    def _upside_down(self, section: Motion, time: Array) -> list[str]:
+        """Whether the tank lies on its side or worse at one of the times (k,) [s]."""
+        turning = self.attitude(section)
+        over = [t for t in time if turning is not None and turning.matrix(t)[2, 2] <= 0.0]
+        if not over:
+            return []
+        return [
+            f"motion.file: {section.file}: turns the tank by 90 degrees or more, first at "
+            f"{over[0]:g} s; liquid on top of the rubber is not computed. Check the units and the "
+            "signs of its rotation, or end time.duration before."
+        ]
+
+    def instants(self, section: Motion) -> Array:
+        """Samples of the record, 2000 at the most."""
+        time = section.record.time
+        return np.asarray(time[:: 1 + len(time) // 2000])
 
     def characteristic_frequency(self, section: Motion) -> float:
         """That of the record."""
-        return section.record.characteristic_frequency
+        return self._unturned(section).characteristic_frequency
 
     def peak_accelerations(self, section: Motion) -> Array:
-        """All of the table's lines, within the run or not."""
-        return section.record.acceleration
+        """All of the table's lines, within the run or not, where they were measured."""
+        return self._unturned(section).acceleration
 
     def facts(self, section: Motion) -> tuple[str | tuple[float, str], ...]:
         """The file's name."""

@@ -25,6 +25,7 @@ from coupling.ports.structure import (
     Structure,
     StructureState,
 )
+from coupling.ports.turn import Turn
 
 __all__ = [
     "AT_REST",
@@ -49,4 +50,5 @@ __all__ = [
     "Structure",
     "StructureState",
     "TimeStep",
+    "Turn",
 ]

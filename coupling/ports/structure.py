@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coupling.ports.arrays import Array, Ints
+from coupling.ports.turn import Turn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,12 +20,15 @@ class HydrostaticLoad:
     ``density`` [kg/m^3]; ``body_force`` (3,) [m/s^2] is gravity less the tank's acceleration.
     With ``volume`` [m^3] the liquid's volume is a constraint and the datum its multiplier;
     with ``datum`` [Pa] instead the datum is given and the volume goes where it likes.
+    ``turn``: how the tank turns in the step, None where it does not; ``body_force`` is in the
+    tank's axes at the step's end.
     """
 
     density: float
     body_force: Array
     volume: float | None = None
     datum: float | None = None
+    turn: Turn | None = None
 
 
 class Shell(Protocol):
@@ -95,7 +99,7 @@ class StructureState(Protocol):
 
     @property
     def velocity(self) -> Array:
-        """Of the nodes (n, 3) [m/s]."""
+        """Of the nodes (n, 3) [m/s], in axes that do not turn, which are the tank's just now."""
 
     @property
     def datum_pressure(self) -> float:

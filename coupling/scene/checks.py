@@ -33,7 +33,14 @@ THICKNESS_OVER_RADIUS = 0.05
 FEWEST_ACROSS = 4  # cells across the mesh's inner cube, those of the least ``openfoam.cells``
 LEAST_SPACING, MOST_SPACING = 1e-5, 0.2  # of wall cells over the radius; that of the coarsest mesh
 FARTHEST_CELLS = 1.5  # that may be asked, over those that the mesh has
-_OF_ONE_KIND = ("file", "at_rest", "duration", "seed")  # keys that another kind would pass over
+_OF_ONE_KIND = (
+    "file",
+    "at_rest",
+    "angle",
+    "point",
+    "duration",
+    "seed",
+)  # keys that another kind would pass over
 
 
 def problems_between(scene: Scene) -> list[str]:

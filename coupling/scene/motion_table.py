@@ -1,4 +1,7 @@
-"""Measured tank accelerations: a table of time, ax, ay and az, and what can be said of it."""
+"""Measured tank accelerations: a table of time, ax, ay and az, and what can be said of it.
+
+Of a tank that turns it has angular rates or angles as well.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from coupling.ports import Array
-from coupling.scene.tables.columns import ACCELERATION, TIME, Column
+from coupling.scene.tables.columns import ACCELERATION, ANGLE, RATE, TIME, Column
 from coupling.scene.tables.file import Table, table_of
 from coupling.scene.tables.text import TableError, read_content
 
@@ -32,6 +35,21 @@ COLUMNS = (
         for axis in "xyz"
     ),
 )
+_RATE = (
+    r"(w|omega|gyro|gyr|gyroscope|angularrate|angularvelocity|angvel|drehrate)(axis|achse)?{0}"
+    r"(axis|achse)?"
+)
+RATES = tuple(
+    Column(name=f"w{axis}", pattern=_RATE.format(axis), unit="deg/s", units=RATE) for axis in "xyz"
+)
+ANGLES = tuple(
+    Column(name=name, pattern=pattern, unit="deg", units=ANGLE)
+    for name, pattern in (
+        ("roll", r"roll(angle|winkel)?|wank(winkel)?"),
+        ("pitch", r"pitch(angle|winkel)?|nick(winkel)?"),
+        ("yaw", r"yaw(angle|winkel)?|gier(winkel)?"),
+    )
+)
 NEAR_GRAVITY = 0.1  # of gravity: how near to it a median is taken to contain it
 _MANY = 10  # samples from which on a record's rate says something
 _GAP = 2.5  # times the median step: more than one sample is missing
@@ -46,13 +64,22 @@ POWER = 0.9  # of a table's acceleration: the share that lies below its characte
 class MotionTable:
     """``time`` (k,) [s], strictly increasing; ``acceleration`` (k, 3) [m/s^2], linear in between.
 
-    ``read``: what the file was taken for; ``units_given``: whether it names its units.
+    ``read``: what the file was taken for; ``units_given``: whether it names its units. Of a tank
+    that turns ``rates`` (k, 3) [rad/s] or ``angles`` (k, 3) [rad], roll, pitch and yaw; all
+    vectors are then in the tank's own axes.
     """
 
     time: Array
     acceleration: Array
     read: str = ""
     units_given: bool = True
+    rates: Array | None = None
+    angles: Array | None = None
+
+    @property
+    def turns(self) -> bool:
+        """Whether it has angular rates or angles."""
+        return self.rates is not None or self.angles is not None
 
     def less(self, constant: Sequence[float]) -> MotionTable:
         """The same less a ``constant`` acceleration (3,) [m/s^2]."""
@@ -133,7 +160,7 @@ def read_motion_table(path: Path) -> MotionTable:
 
 @lru_cache(maxsize=2)  # a study asks for the same record again and again
 def _read(path: Path, data: bytes) -> MotionTable:
-    table = table_of(path, data, COLUMNS)
+    table, turning = _with_rotation(path, data, table_of(path, data, COLUMNS))
     time = table.values[:, 0]
     unordered = np.flatnonzero(np.diff(time) <= 0.0)
     if len(unordered) > 0:
@@ -150,12 +177,52 @@ def _read(path: Path, data: bytes) -> MotionTable:
             "Name it in a header, such as time (ms), ax (m/s^2), ay (m/s^2), az (m/s^2)."
         )
     _check_gaps(table)
+    rotation = np.radians(table.values[:, 4:])
     return MotionTable(
         time=time,
-        acceleration=table.values[:, 1:],
-        read=_taken_for(table),
-        units_given=all(table.units[1:]),
+        acceleration=table.values[:, 1:4],
+        read=_taken_for(table, turning),
+        units_given=all(table.units[1:4]),
+        rates=rotation if turning is RATES else None,
+        angles=rotation if turning is ANGLES else None,
     )
+
+
+def _with_rotation(path: Path, data: bytes, table: Table) -> tuple[Table, tuple[Column, ...]]:
+    """The ``table`` with the columns of rotation that its header names, and which these are.
+
+    Raises ``TableError`` where it names some of three only, rates and angles, or no unit.
+    """
+    found = {
+        group: [c for c in group if any(c.read(name) is not None for name in table.others)]
+        for group in (RATES, ANGLES)
+    }
+    named = [group for group in found if found[group]]
+    if not named:
+        return table, ()
+    where = f"{path}: line {table.header}"
+    if len(named) > 1:
+        raise TableError(
+            f"{where}: names angular rates and angles, {found[RATES][0].name} and "
+            f"{found[ANGLES][0].name} among them. Leave one of the two out: either says how the "
+            "tank turns."
+        )
+    group = named[0]
+    names = ", ".join(column.name for column in group)
+    missing = [column.name for column in group if column not in found[group]]
+    if missing:
+        raise TableError(
+            f"{where}: names no column {', '.join(missing)} of a tank that turns. Give {names}, "
+            "with zeros about an axis that it does not turn about, or rename what is none of them."
+        )
+    whole = table_of(path, data, (*COLUMNS, *group))
+    bare = [c.name for c, unit in zip(group, whole.units[4:], strict=True) if not unit]
+    if bare:
+        raise TableError(
+            f"{where}: gives no unit of {', '.join(bare)}. Write it there, such as {bare[0]} "
+            f"({group[0].unit}); nothing is assumed of rotation."
+        )
+    return whole, group
 
 
 def _check_gaps(table: Table) -> None:
@@ -174,14 +241,18 @@ def _check_gaps(table: Table) -> None:
     )
 
 
-def _taken_for(table: Table) -> str:
-    """Columns and units, and where they are known from."""
-    units = [unit or column.unit for unit, column in zip(table.units, COLUMNS, strict=True)]
+def _taken_for(table: Table, turning: tuple[Column, ...]) -> str:
+    """Columns and units, and where they are known from; ``turning``: those of rotation."""
+    units = [unit or column.unit for unit, column in zip(table.units[:4], COLUMNS, strict=True)]
     time = f"time [{units[0]}]" if table.start is None else f"time from {table.start} on"
     pairs = zip(COLUMNS[1:], units[1:], strict=True)
     axes = ", ".join(f"{column.name} [{unit}]" for column, unit in pairs)
     if len(set(units[1:])) == 1:
         axes = f"ax, ay, az [{units[1]}]"
+    if turning:
+        pairs = zip(turning, table.units[4:], strict=True)
+        axes += ", " + ", ".join(f"{column.name} [{unit}]" for column, unit in pairs)
+        axes += ", all about the tank's own axes"
     known = all(table.units[1:]) and bool(table.units[0] or table.start)
     if table.header == 0:
         source = "columns and units assumed: the file has no header"

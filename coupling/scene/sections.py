@@ -28,7 +28,7 @@ from coupling.scene.choices import (
     default_fluid_model,
     fluid_models,
     motion_kinds,
-    motions_with,
+    motions_reading,
     one_of,
 )
 from coupling.scene.liquids import LIQUIDS
@@ -124,13 +124,15 @@ class Liquid(Section):
 
 
 class Motion(Section):
-    """How the tank's centre moves from time 0 on, when the diaphragm has settled.
+    """How the tank moves from time 0 on, when the diaphragm has settled.
 
     ``sine``: amplitude * s(t) * sin(2 pi frequency t) along ``direction``, with s a smooth ramp
     over ``ramp`` periods. Its ``acceleration`` A (2 pi frequency)^2 can be given in place of the
-    amplitude A, which then stands for it. ``table``: accelerations from a CSV file. ``psd``: a
-    record of ``duration`` made from a CSV file of power spectral densities, a sum of harmonics
-    whose phases are random by the ``seed``. ``rest``: none.
+    amplitude A, which then stands for it. With an ``angle``, and with an amplitude or without one,
+    the tank turns in the same time about ``axis`` through ``point``. ``table``: accelerations from
+    a CSV file, those of ``point`` if it has angular rates or angles as well. ``psd``: a record of
+    ``duration`` made from a CSV file of power spectral densities, a sum of harmonics whose phases
+    are random by the ``seed``. ``rest``: none.
     """
 
     kind: Annotated[str, one_of(motion_kinds)] = Field(
@@ -147,11 +149,26 @@ class Motion(Section):
         default=None, ge=0, description="peak acceleration of the sine [m/s^2]"
     )
     direction: Vector = Field(default=(1.0, 0.0, 0.0), description="direction of the shaking")
+    angle: float | None = Field(
+        default=None,
+        ge=0,
+        lt=90,
+        description="angle that a sine turns by, centre to peak [degrees]",
+    )
+    axis: Vector = Field(
+        default=(0.0, 1.0, 0.0), description="direction of the axis that a sine turns about"
+    )
+    point: Annotated[tuple[float, float, float] | None, BeforeValidator(_as_tuple)] = Field(
+        default=None,
+        description="three numbers: place in the tank's axes, from the middle of its rim [m], that "
+        "a sine turns about, or where the accelerations of a table with rotation were measured",
+    )
     ramp: float = Field(default=1.0, ge=0, description="smooth start in periods, 0 for none")
     file: str | None = Field(
         default=None,
-        description="CSV file with columns time, ax, ay, az (s, m/s^2, or as its header says); for "
-        "a psd frequency, x, y, z (Hz, g^2/Hz)",
+        description="CSV file with columns time, ax, ay, az (s, m/s^2, or as its header says) and, "
+        "of a tank that turns, wx, wy, wz (deg/s, rad/s) or roll, pitch, yaw (deg, rad); for a psd "
+        "frequency, x, y, z (Hz, g^2/Hz)",
     )
     at_rest: Annotated[tuple[float, float, float] | None, BeforeValidator(_as_tuple)] = Field(
         default=None,
@@ -174,7 +191,7 @@ class Motion(Section):
         problem = ""
         if given.get("amplitude") is not None:
             problem = f"got {acceleration} beside an amplitude. Leave one of the two out."
-        elif given.get("kind") not in motions_with("amplitude"):
+        elif given.get("kind") not in motions_reading("amplitude"):
             problem = f'got {acceleration} without a sine. Take kind = "sine", or leave it out.'
         if problem:
             raise PydanticCustomError(
@@ -197,10 +214,13 @@ class Motion(Section):
 
     @cached_property
     def record(self) -> MotionTable:
-        """The accelerations of a ``table``, read once, less ``at_rest``. Raises ``TableError``."""
+        """The accelerations of a ``table``, read once. Raises ``TableError``.
+
+        Less ``at_rest``, but for a table with rotation: there that turns with the tank's axes.
+        """
         assert self.file is not None
         table = read_motion_table(Path(self.file))
-        return table if self.at_rest is None else table.less(self.at_rest)
+        return table if self.at_rest is None or table.turns else table.less(self.at_rest)
 
     @cached_property
     def spectrum(self) -> SpectrumTable:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -47,7 +48,7 @@ class Participants:
         self.model = FLUIDS[scene.model.fluid]
         self._load_model = self.model.load_model(scene)
         # Of the last step; at rest.
-        self._load = self._load_model.load(self.frame.gravity, self.supply.volume(0.0))
+        self._load = self._load_model.load(self.frame.gravity_at(0.0), self.supply.volume(0.0))
         self.cloth = diaphragm_of(scene)
         _, areas = rest_gradients(self.cloth.reference, self.cloth.triangles)
         self.folds = FoldFigures(scene, self.cloth.reference, self.cloth.triangles)
@@ -142,8 +143,11 @@ class Participants:
 
     def load(self, start: float, end: float) -> HydrostaticLoad:
         """The liquid's load in a step from ``start`` to ``end`` [s], after the committed state."""
-        body_force = self.frame.body_force(start, end, self.cloth.previous_step)
-        self._load = self._load_model.load(body_force, self.supply.volume(end))
+        previous = self.cloth.previous_step
+        body_force = self.frame.body_force(start, end, previous)
+        load = self._load_model.load(body_force, self.supply.volume(end))
+        turn = self.frame.turn(start, end, previous)
+        self._load = load if turn is None else replace(load, turn=turn)
         return self._load
 
     def _acceleration(self, time: float) -> Array:

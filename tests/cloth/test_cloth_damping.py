@@ -24,6 +24,7 @@ class Nothing:
     body_force: np.ndarray = field(default_factory=lambda: np.zeros(3))
     volume: float | None = None
     datum: float | None = 0.0
+    turn: None = None
 
 
 def free(mesh: Mesh, settings: Settings) -> Cloth:

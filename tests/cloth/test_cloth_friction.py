@@ -26,6 +26,7 @@ class Pull:
     density: float = 0.0
     volume: float | None = None
     datum: float | None = 0.0
+    turn: None = None
 
 
 def patch(friction: float) -> Cloth:

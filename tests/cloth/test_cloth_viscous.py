@@ -25,6 +25,7 @@ class Nothing:
     body_force: np.ndarray = field(default_factory=lambda: np.zeros(3))
     volume: float | None = None
     datum: float | None = 0.0
+    turn: None = None
 
 
 SLACK = 1e-4 * STIFFNESS  # holds what does not pull in place

@@ -27,6 +27,7 @@ class Water:
     body_force: np.ndarray
     datum: float | None = None
     density: float = WATER
+    turn: None = None
 
 
 def tank(

@@ -38,6 +38,7 @@ class Datum:
     body_force: np.ndarray
     density: float = 1000.0
     volume: float | None = None
+    turn: None = None
 
     @property
     def datum(self) -> float:

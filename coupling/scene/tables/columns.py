@@ -107,6 +107,10 @@ ANGLE = {
     **dict.fromkeys(("deg", "degree", "degrees", "°"), 1.0),
     **dict.fromkeys(("rad", "radian", "radians"), 57.29577951308232),
 }
+RATE = {
+    **dict.fromkeys(("deg/s", "degree/s", "degrees/s", "°/s", "degs-1", "dps", "deg/sec"), 1.0),
+    **dict.fromkeys(("rad/s", "radian/s", "radians/s", "rads-1", "rad/sec"), 57.29577951308232),
+}
 LENGTH = {
     **dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0),
     **dict.fromkeys(("mm", "millimetre", "millimetres"), 1e-3),
