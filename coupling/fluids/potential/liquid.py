@@ -49,6 +49,7 @@ class PotentialLiquid:
         self.ritz = RitzLiquid(
             triangles=triangles, harmonics=harmonics,
             wall=wall_integral(harmonics, points, self._shell_area), density=density,
+            spun=harmonics.values(points).T @ np.cross(points, self._shell_area),
         )  # fmt: skip
         self._shell_values = harmonics.values(points)
         size = np.linalg.norm(self._shell_area, axis=1)
@@ -83,11 +84,11 @@ class PotentialLiquid:
         self,
         points: Array,
         shape: RitzShape,
-        velocity: Array,
         rate: Array,
         coefficient: Array,
         *,
         work: float,
+        energy: float,
         slip: float,
     ) -> LiquidSample:
         """Return what the liquid does at a step's end, with its pressure on the sheet's triangles.
@@ -101,14 +102,14 @@ class PotentialLiquid:
             Nodes of the sheet (n, 3) [m].
         shape
             The liquid as the step took it, below the sheet there.
-        velocity
-            Velocity of the nodes (n, 3) [m/s].
         rate
             Coefficients of dphi/dt (k,) [m^2/s^2].
         coefficient
             Coefficients of phi (k,) [m^2/s].
         work
             Work of p* on the sheet in the step [J].
+        energy
+            Kinetic energy of the liquid [J].
         slip
             int of the squared speed along all wetted walls, relative to them [m^4/s^2].
 
@@ -130,7 +131,7 @@ class PotentialLiquid:
             wall_pressure_moment=np.cross(points, nodal).sum(axis=0),
             speed_max=float(speed.max()),
             dphi_dt_max=largest_rate((shape.values @ rate)[free], size[free]),
-            kinetic_energy=shape.kinetic_energy(velocity),
+            kinetic_energy=energy,
             wall_slip=slip,
             pressure_work=work,
         )

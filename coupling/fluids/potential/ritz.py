@@ -25,7 +25,7 @@ import scipy.linalg as sl
 from cloth.compiled import compiled
 from coupling.finite_volume.swept import cross
 from coupling.fluids.potential.harmonics import SolidHarmonics
-from coupling.ports import Array, Ints
+from coupling.ports import Array, Ints, Turn
 
 # Least stiffness of a potential over the largest: a thin film has many that hardly move any liquid,
 # or none by the rounding and the quadrature of its two sides.
@@ -37,13 +37,16 @@ class RitzLiquid:
     """Liquid of ``density`` [kg/m^3] between ``triangles`` (m, 3) and fixed walls.
 
     The triangles are counter-clockwise seen from outside the liquid. ``wall`` (k, k) [m]: the fixed
-    walls' share of int grad H_i . grad H_j dV, see ``wall_integral``.
+    walls' share of int grad H_i . grad H_j dV, see ``wall_integral``. ``spun`` (k, 3) [m^3]: int
+    H_i (e x x).n dS over them, what they drive as they turn at 1 rad/s about each axis e;
+    None of walls that never do.
     """
 
     triangles: Ints
     harmonics: SolidHarmonics
     wall: Array
     density: float
+    spun: Array | None = None
 
     def at(self, points: Array) -> RitzShape:
         """The liquid below the sheet at ``points`` (n, 3) [m]."""
@@ -82,15 +85,25 @@ class RitzShape:
         scaled = np.sqrt(self.liquid.density) * self.inverse.T @ self.flux.T
         return np.asarray(scaled).reshape(len(scaled), -1, 3)
 
-    def potential(self, velocity: Array) -> Array:
-        """Coefficients (k,) [m^2/s] of phi when the nodes move at ``velocity`` (n, 3) [m/s]."""
+    def source(self, velocity: Array, turn: Turn | None = None) -> Array:
+        """Int H_i u_n dS (k - 1,) [m^3/s] over what moves.
+
+        The nodes at ``velocity`` (n, 3) [m/s], and the walls of a tank that turns.
+        """
         source = velocity.ravel() @ self.flux
+        if turn is None or self.liquid.spun is None:
+            return source
+        return np.asarray(source + self.liquid.spun[1:] @ turn.rate)
+
+    def potential(self, velocity: Array, turn: Turn | None = None) -> Array:
+        """Coefficients (k,) [m^2/s] of phi; parameters as of ``source``."""
+        source = self.source(velocity, turn)
         return np.concatenate([[0.0], self.inverse @ (self.inverse.T @ source)])
 
-    def kinetic_energy(self, velocity: Array) -> float:
-        """T [J] when the nodes move at ``velocity`` (n, 3) [m/s]."""
-        source = velocity.ravel() @ self.flux
-        return 0.5 * self.liquid.density * float(source @ self.potential(velocity)[1:])
+    def kinetic_energy(self, velocity: Array, turn: Turn | None = None) -> float:
+        """T [J]; parameters as of ``source``."""
+        source = self.source(velocity, turn)
+        return 0.5 * self.liquid.density * float(source @ self.potential(velocity, turn)[1:])
 
     def pressure(self, rate: Array, coefficient: Array) -> Array:
         """Return p* on the triangles of the sheet.

@@ -14,6 +14,7 @@ import numpy as np
 
 from cloth.kinematics import kinematics
 from coupling.fluids.potential.liquid import PotentialLiquid
+from coupling.fluids.potential.turning import TurnedHarmonics, in_tank
 from coupling.fluids.sampled import liquid_metrics
 from coupling.ports import (
     AnyArray,
@@ -74,6 +75,7 @@ class PotentialStep:
     ) -> None:
         self.settings = settings or PotentialSettings()
         self.structure, self.liquid = structure, liquid
+        self._turning = TurnedHarmonics(liquid.ritz.harmonics)
         self._watch = Stopwatch("structure", "fluid")
         self._shapes, self._residual = 0, 0.0
         self._samples: list[LiquidSample] = []  # of the parts since the last report
@@ -101,7 +103,8 @@ class PotentialStep:
         return self.structure.converged
 
     def _solve(self, dt: float, load: HydrostaticLoad) -> None:
-        now = self._now
+        turn, was = load.turn, self._now
+        now = was if turn is None else self._turning.history(was, turn)
         previous = float(now["previous_dt"][0])
         nodes = kinematics(
             dt, previous, now["position"], now["velocity"],
@@ -117,10 +120,11 @@ class PotentialStep:
             with self._watch.timed("fluid"):
                 shape = self.liquid.at(points)
                 layers = self.liquid.layers(points, shape)
-                rows, carried = layers.rows(nodes.b), layers.carried(moving)
-                known = (shape.potential(nodes.velocity_anchor) - anchor) / nodes.b
-                known += layers.rate(nodes.velocity_anchor) - carried
-                drag = layers.force(expected, moving)
+                along = in_tank(moving, points, turn)
+                rows, carried = layers.rows(nodes.b), layers.carried(along)
+                known = (shape.potential(nodes.velocity_anchor, turn) - anchor) / nodes.b
+                known += layers.rate(nodes.velocity_anchor, turn) - carried
+                drag = layers.force(expected, along)
                 force = shape.force(shape.pressure(known, expected)) + drag
             with self._watch.timed("structure"):
                 self.structure.begin_step(dt, load, rows)
@@ -133,24 +137,25 @@ class PotentialStep:
             points = end
         with self._watch.timed("fluid"):
             velocity = nodes.velocity(end)
-            coefficient = shape.potential(velocity)
-            rate = (coefficient - anchor) / nodes.b + layers.rate(velocity) - carried
+            along = in_tank(velocity, end, turn)
+            coefficient = shape.potential(velocity, turn)
+            rate = (coefficient - anchor) / nodes.b + layers.rate(velocity, turn) - carried
             force = shape.force(shape.pressure(rate, expected)) + drag
             work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
-            energy = shape.kinetic_energy(velocity)
-            lost = dt * layers.power(coefficient, velocity)
+            energy = shape.kinetic_energy(velocity, turn)
+            lost = dt * layers.power(coefficient, along)
             gain = energy + work + lost - float(now["energy"][0])
             excess = max(gain - self.settings.gain * (energy + abs(work)), 0.0)
             excess = min(excess, self.settings.most * energy)
             kept = math.sqrt(1.0 - excess / energy) if excess > 0.0 else 1.0
             self._sample = self.liquid.sample(
-                end, shape, velocity, rate, coefficient,
-                work=work, slip=layers.slip(coefficient, velocity),
+                end, shape, rate, coefficient,
+                work=work, energy=energy, slip=layers.slip(coefficient, along),
             )  # fmt: skip
             self._next = {
                 "position": end, "velocity": velocity, "coefficient": kept * coefficient,
-                "previous_position": now["position"], "previous_velocity": now["velocity"],
-                "previous_coefficient": c, "previous_dt": np.array([dt]),
+                "previous_position": was["position"], "previous_velocity": was["velocity"],
+                "previous_coefficient": was["coefficient"], "previous_dt": np.array([dt]),
                 "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
                 "layer_loss": now["layer_loss"] + lost,
             }  # fmt: skip

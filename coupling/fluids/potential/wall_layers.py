@@ -29,7 +29,7 @@ import numpy as np
 
 from coupling.fluids.potential.harmonics import SolidHarmonics
 from coupling.fluids.potential.ritz import RitzShape
-from coupling.ports import Array
+from coupling.ports import Array, Turn
 
 
 def slip_form(harmonics: SolidHarmonics, values: Array, normal: Array, weight: Array) -> Array:
@@ -98,10 +98,13 @@ class WallLayers:
         root = np.linalg.cholesky(np.eye(size) + b * self.decay)
         return np.asarray(root.T @ rows.reshape(size, -1)).reshape(rows.shape)
 
-    def rate(self, velocity: Array) -> Array:
-        """Rate (k,) [m^2/s^2] at which the potential of nodes at ``velocity`` (n, 3) decays."""
+    def rate(self, velocity: Array, turn: Turn | None = None) -> Array:
+        """Rate (k,) [m^2/s^2] at which the potential of nodes at ``velocity`` (n, 3) decays.
+
+        And walls that ``turn``.
+        """
         inverse = self.shape.inverse
-        modal = inverse.T @ (velocity.ravel() @ self.shape.flux)
+        modal = inverse.T @ self.shape.source(velocity, turn)
         return np.concatenate([[0.0], inverse @ (self.decay @ modal)])
 
     def carried(self, velocity: Array) -> Array:
