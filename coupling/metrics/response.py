@@ -18,6 +18,7 @@ from coupling.metrics.harmonic import (
 from coupling.metrics.transfer import tank_phasor, transfer
 from coupling.ports import Array
 from coupling.scene.scene import Scene
+from coupling.store.attitude import in_ground, in_tank
 from coupling.store.step_series import StepSeries
 
 STEADY = 0.05  # drift of a phasor above which it is one of a transient
@@ -26,7 +27,8 @@ STEADY = 0.05  # drift of a phasor above which it is one of a transient
 def harmonics(steps: StepSeries, scene: Scene) -> dict[str, Harmonic]:
     """First harmonics of ``cg``, ``force``, ``moment`` and the tank's ``displacement``.
 
-    Empty where there is no period, or no whole one in the run.
+    In the tank's axes; ``cg_in_ground`` and the displacement in axes that do not turn. Empty where
+    there is no period, or no whole one in the run.
     """
     frequency = scene.frequency
     if frequency is None:
@@ -37,6 +39,7 @@ def harmonics(steps: StepSeries, scene: Scene) -> dict[str, Harmonic]:
         return {}
     signals = {
         "cg": steps.liquid_cg,
+        "cg_in_ground": in_ground(steps.liquid_cg, steps),
         "force": steps.force,
         "moment": steps.moment,
         "displacement": steps.tank_displacement,
@@ -80,11 +83,10 @@ def force_summary(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) ->
 
 
 def weight_of(steps: StepSeries, scene: Scene) -> Array:
-    """Weight (S, 3) [N] of the liquid at every step; (3,) where none is drawn."""
-    weight = scene.liquid.density * np.array(scene.gravity)
-    if scene.supply.drawn:
-        return np.asarray(steps.volume[:, None] * weight)
-    return np.asarray(scene.liquid_volume * weight)
+    """Weight (S, 3) [N] of the liquid at every step, in the tank's axes."""
+    drawn = scene.supply.drawn
+    volume = steps.volume if drawn else np.full(len(steps.time), scene.liquid_volume)
+    return in_tank(scene.liquid.density * np.outer(volume, scene.gravity), steps)
 
 
 def moment_summary(steps: StepSeries, fits: dict[str, Harmonic]) -> dict[str, Any]:
@@ -147,8 +149,8 @@ def _imbalance(steps: StepSeries, scene: Scene, fits: dict[str, Harmonic]) -> fl
         return None
     return momentum_imbalance(
         steps.time,
-        force=steps.force,
-        cg=steps.liquid_cg,
+        force=in_ground(steps.force, steps),
+        cg=in_ground(steps.liquid_cg, steps),
         acceleration=steps.tank_acceleration,
         gravity=np.array(scene.gravity),
         mass=scene.liquid.density * scene.liquid_volume,

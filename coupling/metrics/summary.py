@@ -29,6 +29,7 @@ from coupling.metrics.strains import quantile
 from coupling.metrics.viscosity import layer_resolution
 from coupling.scene.scene import Scene
 from coupling.store.atomic import plain
+from coupling.store.attitude import body_force, in_ground
 from coupling.store.results import Results
 from coupling.store.run_record import RunStatistics
 from coupling.store.step_series import StepSeries
@@ -138,7 +139,7 @@ def _impacts(steps: StepSeries, scene: Scene) -> dict[str, Any] | None:
     return impacts(
         steps.time,
         steps.force,
-        body_force=np.array(scene.gravity) - steps.tank_acceleration,
+        body_force=body_force(np.array(scene.gravity), steps),
         mass=scene.liquid.density * scene.liquid_volume,
         frequency=frequency,
     )
@@ -148,24 +149,26 @@ def _bernoulli(
     steps: StepSeries, statistics: RunStatistics, scene: Scene, fits: dict[str, Harmonic]
 ) -> dict[str, float | None]:
     gravity, radius = np.array(scene.gravity), scene.tank.shell.size
-    body_force = bernoulli.effective_gravity(gravity, steps.tank_acceleration)
+    largest = bernoulli.effective_gravity(gravity, steps.tank_acceleration)
     if fits:
-        momentum = neglected_momentum(fits["cg"].coefficient, fits["displacement"].coefficient)
+        momentum = neglected_momentum(
+            fits["cg_in_ground"].coefficient, fits["displacement"].coefficient
+        )
     else:
         momentum = neglected_momentum_transient(
-            steps.time, steps.liquid_cg, steps.tank_acceleration
+            steps.time, in_ground(steps.liquid_cg, steps), steps.tank_acceleration
         )
     return {
         "kinetic_ratio": bernoulli.kinetic_ratio(
-            body_force=body_force, radius=radius, speed_max=statistics.speed_max
+            body_force=largest, radius=radius, speed_max=statistics.speed_max
         ),
         "unsteady_ratio": bernoulli.unsteady_ratio(
-            body_force=body_force, radius=radius, dphi_dt_max=statistics.dphi_dt_max
+            body_force=largest, radius=radius, dphi_dt_max=statistics.dphi_dt_max
         ),
         "dynamic_fraction": bernoulli.dynamic_fraction(steps.metrics),
         "neglected_momentum": momentum,
         **bernoulli.thesis_estimates(
-            body_force=body_force,
+            body_force=largest,
             radius=radius,
             frequency=scene.frequency,
         ),

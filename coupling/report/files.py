@@ -14,6 +14,7 @@ from coupling.metrics.bernoulli import node_areas
 from coupling.metrics.summary import summarise
 from coupling.ports import Array
 from coupling.scene.scene import Scene, load_scene
+from coupling.store.attitude import body_force
 from coupling.store.iteration_log import read_iterations
 from coupling.store.results import Results, open_results
 from coupling.store.run_record import RunStatistics, read_summary
@@ -112,9 +113,9 @@ def _thickness(results: Results, scene: Scene) -> Array | float:
 def pressure_rms(run: RunFiles) -> tuple[Array, Array]:
     """rms over the interface (T,) [Pa] of p* and of the hydrostatic pressure, means removed."""
     results = run.results
-    body_force = np.array(run.scene.gravity) - results.tank_acceleration
+    pulls = body_force(np.array(run.scene.gravity), results)
     found = []
-    for position, pull, dynamic in blocks(results.position, body_force, results.dynamic_pressure):
+    for position, pull, dynamic in blocks(results.position, pulls, results.dynamic_pressure):
         hydrostatic = run.scene.liquid.density * np.einsum("tni,ti->tn", position, pull)
         weight = node_areas(position, results.triangles)
         found.append((_rms(dynamic, weight), _rms(hydrostatic, weight)))

@@ -23,6 +23,7 @@ from coupling.report.instants import shown_instants, views
 from coupling.report.page import Section
 from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
 from coupling.scene.scene import Scene
+from coupling.store.attitude import body_force
 from coupling.store.results import Results
 
 WHOLE, STATIC, DYNAMIC = "pressure", "hydrostatic", "dynamic"  # quantities of the view
@@ -76,7 +77,7 @@ def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str
     """JSON of the last period of ``runs``, at the instants of ``timed``."""
     results, scene, shell = timed.results, timed.scene, timed.scene.tank.shell
     rows = last_period_rows(results, _affordable(runs))
-    pull = np.array(scene.gravity) - results.tank_acceleration[rows]
+    pull = body_force(np.array(scene.gravity), results)[rows]
     axis = int(np.argmax(np.ptp(results.tank_displacement, axis=0)))
     azimuth, elevation = seen_from(results)
     content = {

@@ -193,23 +193,21 @@ def _with_rotation(path: Path, data: bytes, table: Table) -> tuple[Table, tuple[
 
     Raises ``TableError`` where it names some of three only, rates and angles, or no unit.
     """
-    found = {
-        group: [c for c in group if any(c.read(name) is not None for name in table.others)]
+    rates, angles = (
+        [c.name for c in group if any(c.read(name) is not None for name in table.others)]
         for group in (RATES, ANGLES)
-    }
-    named = [group for group in found if found[group]]
-    if not named:
+    )
+    if not (rates or angles):
         return table, ()
     where = f"{path}: line {table.header}"
-    if len(named) > 1:
+    if rates and angles:
         raise TableError(
-            f"{where}: names angular rates and angles, {found[RATES][0].name} and "
-            f"{found[ANGLES][0].name} among them. Leave one of the two out: either says how the "
-            "tank turns."
+            f"{where}: names angular rates and angles, {rates[0]} and {angles[0]} among them. "
+            "Leave one of the two out: either says how the tank turns."
         )
-    group = named[0]
+    group = RATES if rates else ANGLES
     names = ", ".join(column.name for column in group)
-    missing = [column.name for column in group if column not in found[group]]
+    missing = [column.name for column in group if column.name not in (*rates, *angles)]
     if missing:
         raise TableError(
             f"{where}: names no column {', '.join(missing)} of a tank that turns. Give {names}, "

@@ -10,12 +10,14 @@ holds for liquid and sheet together whatever they do to each other, and the flow
 dissipated is -(work of p* on the sheet) - d(kinetic energy of the liquid). Works are integrated by
 the trapezoidal rule, a record's by its mean acceleration over each step: where nothing dissipates,
 what is found is the time step's error, of second order.
+
+A tank that turns adds its torque's work (``turning_work``). All is in axes that do not turn.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -23,8 +25,9 @@ import numpy as np
 from cloth.energy import SheetEnergy, SheetLosses
 from coupling.fluids.potential.wall_layers import layer_speed
 from coupling.interface.liquid_shape import liquid_cg
-from coupling.ports import Array, DiaphragmState, LiquidSample, RunFailed
+from coupling.ports import Array, DiaphragmState, HydrostaticLoad, LiquidSample, RunFailed
 from coupling.scene.scene import Scene
+from coupling.simulation.turning_work import turning_at, work_of_turning
 from coupling.structure.diaphragm import Diaphragm
 
 
@@ -37,7 +40,9 @@ class Instant:
     and sheet; ``volume`` [m^3] and ``datum`` [Pa] of the liquid; powers [W] that the sheet loses
     by ``bending_damping``, ``drag``, the rubber's ``stretch``, ``shell_friction`` and
     ``self_friction``, means over the step that ends here, and ``layer``, what laminar boundary
-    layers would take.
+    layers would take. Of a tank that turns its ``rate`` (3,) [rad/s], the sheet's angular momentum
+    ``spin`` (3,) [kg m^2/s], and the ``torque`` (3,) [N m] of liquid and weight on shell and sheet,
+    about the origin. All vectors in axes that do not turn.
     """
 
     acceleration: Array
@@ -50,6 +55,9 @@ class Instant:
     shell_friction: float = 0.0
     self_friction: float = 0.0
     layer: float = 0.0
+    rate: Array = field(default_factory=lambda: np.zeros(3))
+    spin: Array = field(default_factory=lambda: np.zeros(3))
+    torque: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +113,7 @@ class EnergyBalance:
         sums["pressure_work"] += pressure_work
         moved = (instant.moment - before.moment).sum(axis=0)
         sums["tank_work"] -= float(instant.acceleration @ moved)
+        sums["tank_work"] += work_of_turning(dt, before, instant)
         swept = instant.volume - before.volume
         sums["datum_work"] += 0.5 * (before.datum + instant.datum) * swept
         sums["layer"] += 0.5 * dt * (before.layer + instant.layer)
@@ -159,7 +168,7 @@ class EnergyBalance:
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``. Raises ``RunFailed`` for what an older version has saved."""
-        if len(saved.get("sums", ())) != len(_SUMS):
+        if len(saved.get("sums", ())) != len(_SUMS) or "torque" not in saved:
             raise RunFailed(
                 "checkpoint.h5 holds no such energy balance: an older version wrote it. Run the "
                 "scene again with this one."
@@ -185,16 +194,25 @@ def instant_of(
     losses: SheetLosses,
     *,
     acceleration: Array,
+    load: HydrostaticLoad,
+    turned: tuple[Array, Array] | None,
 ) -> Instant:
     """The instant of a ``cloth`` in ``state``, with a ``liquid`` that flows.
 
     ``losses``: the cloth's, means over the step that ends here; ``acceleration`` (3,) [m/s^2] of
-    the tank, as ``Instant`` has it.
+    the tank, as ``Instant`` has it; ``load`` of that step; ``turned``: attitude (3, 3) of a tank
+    that turns and its rate (3,) [rad/s] in its own axes, None of any other.
     """
     cg = liquid_cg(state.position, cloth.triangles, scene.tank.shell, state.volume)
+    moment = np.array([scene.liquid.density * state.volume * cg, cloth.mass @ state.position])
+    turning: dict[str, Array] = {}
+    if turned is not None:
+        moment = moment @ turned[0].T
+        turning = turning_at(cloth, state, liquid, load, moment, turned)
     return Instant(
         acceleration=acceleration,
-        moment=np.array([scene.liquid.density * state.volume * cg, cloth.mass @ state.position]),
+        moment=moment,
+        **turning,
         volume=state.volume,
         datum=state.datum_pressure,
         bending_damping=losses.bending,

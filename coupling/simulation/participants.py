@@ -162,8 +162,15 @@ class Participants:
         if time > 0.0:
             shaking = self.frame.working_acceleration(time - self.scene.time.step, time)
         return instant_of(
-            self.cloth, self.cloth.state, liquid, self.scene, self._losses(), acceleration=shaking
-        )
+            self.cloth, self.cloth.state, liquid, self.scene, self._losses(),
+            acceleration=shaking, load=self._load, turned=self._turned(time),
+        )  # fmt: skip
+
+    def _turned(self, time: float) -> tuple[Array, Array] | None:
+        """Attitude (3, 3) and rate (3,) [rad/s] of a tank that turns, None of any other."""
+        if self.frame.turning is None:
+            return None
+        return self.frame.attitude(time), self.frame.rate(time)
 
     def sample(self, time: float, report: StepReport, metrics: dict[str, float]) -> Sample:
         """Results of the committed state at ``time`` [s], with ``metrics`` among its own."""
@@ -175,7 +182,8 @@ class Participants:
         sample = sample_at(
             time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
-            displacement=self.frame.displacement(time), flow=liquid, pressures=pressures,
+            displacement=self.frame.displacement(time), attitude=self.frame.attitude(time),
+            rate=self.frame.rate(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
             metrics=metrics | self.step.metrics(liquid) | own,
         )  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.bernoulli import node_areas, weighted_rms
 from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, LiquidSample, Shell
+from coupling.store.attitude import rotation_vector
 from coupling.store.run_record import Sample
 
 
@@ -47,6 +48,8 @@ def sample_at(
     load: HydrostaticLoad,
     acceleration: Array,
     displacement: Array,
+    attitude: Array,
+    rate: Array,
     flow: LiquidSample | None,
     pressures: NodePressures,
     iterations: int,
@@ -67,12 +70,14 @@ def sample_at(
         The diaphragm there.
     triangles
         Nodes of each of its triangles (m, 3).
-    radius
-        Radius of the shell [m].
+    shell
+        The tank's shell.
     load
         Density and body force of the step that ends there.
     acceleration, displacement
         The tank's acceleration [m/s^2] and displacement [m], each (3,).
+    attitude, rate
+        How the tank has turned (3, 3), and how fast it does (3,) [rad/s] in its own axes.
     flow
         The flow there, None without one.
     pressures
@@ -94,16 +99,19 @@ def sample_at(
         force = force + flow.wall_pressure_force
         moment = moment + flow.wall_pressure_moment
     hydrostatic = state.datum_pressure + load.density * state.position @ load.body_force
+    turns = load.turn is not None
     return Sample(
         time=time,
         tank_acceleration=acceleration,
         tank_displacement=displacement,
+        tank_rotation=rotation_vector(attitude),
+        tank_rate=rate,
         position=state.position,
         pressure=hydrostatic + pressures.dynamic,
         dynamic_pressure=pressures.dynamic,
         strain=state.strain,
         tension=state.tension,
-        velocity=state.velocity,
+        velocity=state.velocity - np.cross(rate, state.position) if turns else state.velocity,
         contact_force=state.contact_force,
         shell_pressure=state.shell_pressure,
         self_pressure=state.self_pressure,

@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 class Results:
     """A run's results as arrays: T instants, n nodes, m triangles (SI, tank frame).
 
-    ``time`` (T,); ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``,
-    ``moment`` (T, 3); ``reference`` (n, 3), ``triangles`` (m, 3); ``position`` (T, n, 3);
+    ``time`` (T,); ``tank_acceleration``, ``tank_displacement``, ``tank_rotation``, ``tank_rate``,
+    ``liquid_cg``, ``force``, ``moment`` (T, 3), in the axes that ``StepSample`` says;
+    ``reference`` (n, 3), ``triangles`` (m, 3); ``position`` (T, n, 3);
     ``pressure``, ``dynamic_pressure`` (T, n); ``strain``, ``tension`` (T, m);
     ``velocity``, ``contact_force``, ``rub_place`` (T, n, 3); ``shell_pressure``,
     ``self_pressure``, ``shell_slip``, ``self_slip``, ``shell_work``, ``self_work`` (T, n), as
@@ -44,6 +45,8 @@ class Results:
     time: Array
     tank_acceleration: Array
     tank_displacement: Array
+    tank_rotation: Array
+    tank_rate: Array
     position: Array
     pressure: Array
     dynamic_pressure: Array
@@ -151,7 +154,12 @@ def _results(file: Any, taken: Callable[[str, Any], Any]) -> Results:
 
 
 def _unknown(file: Any, name: str) -> Any:
-    """What a file of an older version does not hold: NaN at every instant and node."""
+    """What a file of an older version does not hold: NaN at every instant and node.
+
+    No tank turned then.
+    """
+    if not layout.is_field(name):
+        return np.zeros_like(file["tank/acceleration"])
     instants, nodes, axes = file["diaphragm/position"].shape
     shape = (instants, nodes, axes) if "axis" in layout.dims_of(name) else (instants, nodes)
     return np.full(shape, np.nan)
@@ -160,5 +168,8 @@ def _unknown(file: Any, name: str) -> Any:
 def _steps(group: Any) -> StepSeries:
     return StepSeries(
         metrics={name: dataset[()] for name, dataset in group["metrics"].items()},
-        **{name: group[dataset][()] for dataset, (name, _) in layout.STEP_FIELDS.items()},
+        **{
+            name: group[dataset][()] if dataset in group else _unknown(group, name)
+            for dataset, (name, _) in layout.STEP_FIELDS.items()
+        },
     )

@@ -19,6 +19,8 @@ FIELDS = {
     "time": ("time", "s"),
     "tank/acceleration": ("tank_acceleration", "m/s^2"),
     "tank/displacement": ("tank_displacement", "m"),
+    "tank/rotation": ("tank_rotation", "rad"),
+    "tank/rate": ("tank_rate", "rad/s"),
     "diaphragm/position": ("position", "m"),
     "diaphragm/pressure": ("pressure", "Pa"),
     "diaphragm/dynamic_pressure": ("dynamic_pressure", "Pa"),
@@ -58,7 +60,16 @@ _DIMS: dict[str, tuple[str, ...]] = {
     ),
     **dict.fromkeys(("strain", "tension"), ("triangle",)),
     **dict.fromkeys(
-        ("tank_acceleration", "tank_displacement", "liquid_cg", "force", "moment"), ("axis",)
+        (
+            "tank_acceleration",
+            "tank_displacement",
+            "tank_rotation",
+            "tank_rate",
+            "liquid_cg",
+            "force",
+            "moment",
+        ),
+        ("axis",),
     ),
 }
 _OVER_SURFACE = {"node", "triangle"}
@@ -68,7 +79,7 @@ STEP_FIELDS = {
     for dataset, (name, unit) in FIELDS.items()
     if _OVER_SURFACE.isdisjoint(_DIMS.get(name, ()))
 }
-# Not in files of older versions: NaN there.
+# Not in files of older versions: NaN there, and no rotation.
 LATER = frozenset(
     {
         "velocity",
@@ -78,6 +89,8 @@ LATER = frozenset(
         "shell_work",
         "self_work",
         "rub_place",
+        "tank_rotation",
+        "tank_rate",
     }
 )
 # fmt: off

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from coupling.ports import Array
 from coupling.store.atomic import read_json
 
@@ -23,10 +25,12 @@ _PARTS: dict[str, type | tuple[type, ...]] = {
 class StepSample:
     """The end of a step as it goes into the results, but for what is over nodes and triangles.
 
-    In the tank's frame, SI. ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``
-    and ``moment`` (3,): ``force`` [N] and ``moment`` [N m] act on tank and diaphragm, about the
-    tank's centre; ``tank_acceleration`` [m/s^2] is the one at ``time``, of a record its mean over
-    the time step that ends there. ``metrics``: further scalars by name (``speed_max``,
+    In the tank's frame and its own axes, SI. ``liquid_cg``, ``force`` and ``moment`` (3,):
+    ``force`` [N] and ``moment`` [N m] act on tank and diaphragm, about the tank's centre.
+    ``tank_acceleration`` and ``tank_displacement`` (3,) are in axes that do not turn; the first
+    [m/s^2] is the one at ``time``, of a record its mean over the time step that ends there.
+    ``tank_rotation`` (3,) [rad]: rotation vector from the tank's axes to those; ``tank_rate`` (3,)
+    [rad/s], in the tank's axes. ``metrics``: further scalars by name (``speed_max``,
     ``dphi_dt_max``, ``non_orthogonality_max`` ...), the same names in every sample of a run.
     """
 
@@ -40,6 +44,8 @@ class StepSample:
     moment: Array
     iterations: int
     residual: float
+    tank_rotation: Array = field(default_factory=lambda: np.zeros(3))
+    tank_rate: Array = field(default_factory=lambda: np.zeros(3))
     metrics: Mapping[str, float] = field(default_factory=dict)
 
 

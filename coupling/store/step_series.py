@@ -11,14 +11,17 @@ from coupling.ports import Array, Ints
 class StepSeries:
     """Signals of a run at the ends of its S - 1 steps and at the start (SI, tank frame).
 
-    ``time`` (S,); ``tank_acceleration``, ``tank_displacement``, ``liquid_cg``, ``force``,
-    ``moment`` (S, 3); ``volume``, ``datum_pressure``, ``iterations``, ``residual`` (S,);
-    ``metrics`` by name, (S,) each. Units as those of ``Results``.
+    ``time`` (S,); ``tank_acceleration``, ``tank_displacement``, ``tank_rotation``, ``tank_rate``,
+    ``liquid_cg``, ``force``, ``moment`` (S, 3), in the axes that ``StepSample`` says;
+    ``volume``, ``datum_pressure``, ``iterations``, ``residual`` (S,); ``metrics`` by name, (S,)
+    each. Units as those of ``Results``.
     """
 
     time: Array
     tank_acceleration: Array
     tank_displacement: Array
+    tank_rotation: Array
+    tank_rate: Array
     volume: Array
     datum_pressure: Array
     liquid_cg: Array

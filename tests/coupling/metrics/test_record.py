@@ -31,6 +31,7 @@ def steps(cg: Array, force: Array, acceleration: Array) -> StepSeries:
     nothing = np.zeros(len(TIME))
     return StepSeries(
         time=TIME, tank_acceleration=acceleration, tank_displacement=0.0 * acceleration,
+        tank_rotation=0.0 * acceleration, tank_rate=0.0 * acceleration,
         volume=nothing, datum_pressure=nothing, liquid_cg=cg, force=force, moment=0.0 * force,
         iterations=nothing.astype(np.int64), residual=nothing, metrics={},
     )  # fmt: skip

@@ -81,7 +81,7 @@ READ = {
     ),
     "further columns": ("time,ax,ay,az,temp,state\n" + lines(end=",21.5,ok"), "not used: temp, st"),
     "columns in another order": ("az,time,ay,ax\n" + columns("ztyx"), ASSUMED),
-    "gyroscope beside": ("gyro_x,t,ax,ay,az\n" + numbered(lines()), "not used: gyro_x"),
+    "magnetometer beside": ("mag_x,t,ax,ay,az\n" + numbered(lines()), "not used: mag_x"),
     "displacement beside": ("x [mm],t [s],x [g],y [g],z [g]\n" + numbered(lines(**IN_G)), "[g]"),
     "ISO dates": (NAMES + lines(clock=iso), "time from 2024-03-01T10:00:00.000 on"),
     "ISO dates, no header": (lines(clock=iso), "time from 2024-03-01T10:00:00.000 on"),
