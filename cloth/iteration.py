@@ -56,6 +56,10 @@ class Iteration:
         """Do one iteration: forces and constraints at the present iterate, then a linear solve."""
         p, model, bent = self.problem, self.problem.model, self.problem.model.bending
         rhs, gradient = self.force.copy(), self.gradient
+        if p.recoil is not None:
+            body_force = p.recoil.body_force(self.x)
+            self.slope = p.load.density * body_force
+            rhs += p.recoil.force(self.x, body_force)
         r = p.settings.relaxation if self.done else 1.0
         cone = triangle_kernels.triangle_step(
             self.x, model.triangles, model.corner_starts, model.corners,

@@ -39,7 +39,7 @@ def stretch_matrix(triangles: Ints, gradients: Array, weight: Array, size: int) 
 class System:
     """The linear system of a step, factorised: fixed nodes hold their position.
 
-    A = S (x) I_3 + B^T B on the free nodes.
+    A = S (x) I_3 + B^T B on the free nodes, less what a free tank's recoil takes.
     S (n, n) [N/m] is symmetric positive definite and the same for x, y and z.
     """
 
@@ -63,6 +63,7 @@ class System:
         )  # fmt: skip
         self._boundary = sp.csr_matrix(matrix[self._free][:, np.flatnonzero(~free)])
         self._directions: Array | None = None
+        self._recoil: tuple[Array, Array] | None = None
 
     @property
     def fill(self) -> int:
@@ -82,7 +83,9 @@ class System:
         """Take in B = ``rows`` (r, n, 3) [sqrt(N/m)], or drop what was taken in.
 
         Woodbury with C = 1 + B S^-1 B^T = K K^T and Z = K^-1 B S^-1: A^-1 = S^-1 - Z^T Z.
+        What ``take_recoil`` took in is dropped.
         """
+        self._recoil = None
         if rows is None or len(rows) == 0:
             self._directions = None
             return
@@ -99,6 +102,21 @@ class System:
         z[:, self._order] = (inverse @ y).reshape(rank, -1, 3)
         self._directions = z.reshape(rank, -1)
 
+    def take_recoil(self, push: Array, pull: Array) -> None:
+        """Take away ``push``^T ``pull``, both (k, n, 3) [sqrt(N/m)], until ``add_mass`` is next.
+
+        Woodbury again: (A - U^T V)^-1 = A^-1 + A^-1 U^T (1 - V A^-1 U^T)^-1 V A^-1.
+        Raises ArithmeticError where what is left is no inertia.
+        """
+        pushed = np.stack([self.solve(row) for row in push]).reshape(len(push), -1)
+        pulled = pushed
+        if pull is not push:
+            pulled = np.stack([self.solve(row) for row in pull]).reshape(len(pull), -1)
+        core = np.eye(len(push)) - pull.reshape(len(pull), -1) @ pushed.T
+        if not np.linalg.eigvals(core).real.min() > 0.0:
+            raise ArithmeticError("cloth: the tank is too light for what moves in it.")
+        self._recoil = np.asarray(np.linalg.solve(core.T, pushed)), pulled
+
     def solve(self, right: Array) -> Array:
         """Return A^-1 ``right`` (n, 3) [m], of forces [N]; zero on the fixed nodes."""
         x = np.zeros((self.count, 3))
@@ -106,4 +124,7 @@ class System:
         if self._directions is not None:
             # Plain products: the library's are three times faster than one pass over Z compiled.
             x -= ((self._directions @ right.ravel()) @ self._directions).reshape(-1, 3)
+        if self._recoil is not None:
+            pushed, pulled = self._recoil
+            x += ((pulled @ right.ravel()) @ pushed).reshape(-1, 3)
         return x

@@ -27,6 +27,22 @@ class Turn(Protocol):
         """Q (3, 3) from the axes at the start of the step before."""
 
 
+class Recoil(Protocol):
+    """How a free tank gives way to what it contains (``cloth.recoil``), along each axis (3,)."""
+
+    @property
+    def mass(self) -> Array:
+        """M (3,) [kg] of tank and contents, with what holds the tank taken into it."""
+
+    @property
+    def density(self) -> float:
+        """Of the liquid whose motion in the tank the tank feels [kg/m^3]; 0 for none."""
+
+    @property
+    def prediction(self) -> Array:
+        """Q~ (3,) [kg m]: the contents' first moment at the step's end, if not accelerated."""
+
+
 class Load(Protocol):
     """The liquid's pressure p = datum + density * body_force . x, towards the gas.
 
@@ -53,6 +69,10 @@ class Load(Protocol):
     @property
     def turn(self) -> Turn | None:
         """How the tank turns in the step, None where it does not."""
+
+    @property
+    def recoil(self) -> Recoil | None:
+        """Of a free tank, whose acceleration is ``body_force``'s without it; None of a held one."""
 
 
 @dataclass(frozen=True, kw_only=True)

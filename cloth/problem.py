@@ -11,6 +11,7 @@ from cloth.kinematics import Kinematics
 from cloth.linear import System
 from cloth.load import Load, Settings
 from cloth.model import ClothModel
+from cloth.recoil import TankRecoil
 from cloth.self_contact.planes import Planes
 from cloth.self_contact.result import Contact
 
@@ -25,7 +26,7 @@ class StepProblem:
     the iteration sets out; ``penalty`` [N/m] is the stretch's; ``rest`` (m, 3) is the strain free
     of tension, (0, 3) where that is none. ``own``: the kinematics of the motion in the shell's own
     axes, which damping sees; ``kin`` is that in axes that do not turn, ``own`` where the shell does
-    not.
+    not. ``recoil``: of a free tank.
     """
 
     model: ClothModel
@@ -44,6 +45,7 @@ class StepProblem:
     rest: Array
     contact_force: Array
     constant_force: Array
+    recoil: TankRecoil | None
 
 
 @dataclass(kw_only=True)

@@ -32,6 +32,7 @@ class _Turned:
     volume: float | None
     datum: float | None
     turn: None = None  # of the tank; gravity turns here
+    recoil: None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,7 @@ from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
 from cloth.problem import Solution, StepProblem, constant_force
+from cloth.recoil import recoil_in
 from cloth.shell.shell import NO_SHELL, Shell
 from cloth.state import ClothState, Memory, state_of, untouched
 from cloth.turning import carried, expected, inertial, relative, rim_inertia
@@ -120,6 +121,8 @@ class Cloth:
             penalty = penalty_of(load, size=self.model.size, inertia=inertia, compressive=stiffest)
         system = self._factorised(settings, penalty, kin.b)
         system.add_mass(rows)
+        start = expected(m, dt, load.turn, self.model.clamped, self.model.free)
+        recoil = recoil_in(system, self.model, load, b=kin.b, start=start)
         self._problem = StepProblem(
             model=self.model,
             settings=settings,
@@ -136,7 +139,7 @@ class Cloth:
             load=load,
             own=own,
             committed=m.position,
-            start=expected(m, dt, load.turn, self.model.clamped, self.model.free),
+            start=start,
             datum=float(m.datum[0]),
             tension=m.tension,
             rest=free_strain(m.rubber_strain, settings.stretch_damping / dt),
@@ -144,6 +147,7 @@ class Cloth:
             constant_force=constant_force(
                 self.model, settings, system, kin, own, load, rows, driven
             ),
+            recoil=recoil,
         )
 
     def _factorised(self, settings: Settings, penalty: float, b: float) -> System:

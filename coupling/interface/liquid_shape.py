@@ -30,11 +30,19 @@ def liquid_cg(position: Array, triangles: Ints, shell: Shell, volume: float) -> 
     Array
         Centre of gravity (3,) [m] from the origin.
     """
-    a, b, c = (position[triangles[:, k]] for k in range(3))
-    cone = np.einsum("mx,mx->m", a, cross(b, c)) / 6.0
-    moment = cone @ (a + b + c) / 4.0
+    moment = cone_moment(position, triangles)
     moment[2] += shell.moment_below(0.0)
     return np.asarray(moment / volume)
+
+
+def cone_moment(position: Array, triangles: Ints) -> Array:
+    """Return int x dV (3,) [m^4] over the cone from the diaphragm to the origin.
+
+    ``position`` (n, 3) [m] and ``triangles`` (m, 3) as above.
+    """
+    a, b, c = (position[triangles[:, k]] for k in range(3))
+    cone = np.einsum("mx,mx->m", a, cross(b, c)) / 6.0
+    return np.asarray(cone @ (a + b + c) / 4.0)
 
 
 def volume_below(position: Array, triangles: Ints, shell: Shell) -> float:

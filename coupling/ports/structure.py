@@ -14,6 +14,20 @@ from coupling.ports.turn import Turn
 
 
 @dataclass(frozen=True, kw_only=True)
+class Recoil:
+    """How a free tank gives way in a step: M (a - a0) = -(Q - Q~)/b^2, along each axis (3,).
+
+    ``mass`` M [kg] of tank and contents, with springs and dampers taken into it; Q [kg m] is the
+    first moment of the sheet and of a liquid of ``density`` [kg/m^3] (0: its motion in the tank is
+    not felt), ``prediction`` Q~ [kg m] that of contents which are not accelerated in the tank.
+    """
+
+    mass: Array
+    density: float
+    prediction: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class HydrostaticLoad:
     """The part of the liquid's pressure that needs no flow: p = datum + density * body_force . x.
 
@@ -21,7 +35,8 @@ class HydrostaticLoad:
     With ``volume`` [m^3] the liquid's volume is a constraint and the datum its multiplier;
     with ``datum`` [Pa] instead the datum is given and the volume goes where it likes.
     ``turn``: how the tank turns in the step, None where it does not; ``body_force`` is in the
-    tank's axes at the step's end.
+    tank's axes at the step's end. ``recoil`` of a free
+    tank: then ``body_force`` is that of an acceleration a0.
     """
 
     density: float
@@ -29,6 +44,7 @@ class HydrostaticLoad:
     volume: float | None = None
     datum: float | None = None
     turn: Turn | None = None
+    recoil: Recoil | None = None
 
 
 class Shell(Protocol):

@@ -129,9 +129,7 @@ def _motion(alignment: Alignment, size: float, blocks: Any) -> dict[str, Any]:
     }
 
 
-def _remarks(
-    alignment: Alignment, size: float, number: int, after: Measured
-) -> list[str]:
+def _remarks(alignment: Alignment, size: float, number: int, after: Measured) -> list[str]:
     """What a reader has to know of the figures."""
     known, pose = names_known(alignment.basis), alignment.pose
     found = [
@@ -158,9 +156,7 @@ def _remarks(
     return found
 
 
-def _nodes(
-    sheet: Sheet, reference: Array, before: Measured, after: Measured
-) -> dict[str, Array]:
+def _nodes(sheet: Sheet, reference: Array, before: Measured, after: Measured) -> dict[str, Array]:
     """Columns of the map: the moulded place, the place at the instant, differences."""
     found: dict[str, Array] = {}
     for prefix, places in (("moulded", reference), ("run", sheet.nodes)):

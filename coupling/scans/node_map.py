@@ -29,7 +29,5 @@ def node_means(sheet: Sheet, measured: Measured) -> dict[str, Array]:
         )
         found[name] = np.where(weight >= _LEAST, total / np.maximum(weight, _LEAST), np.nan)
     inside = measured.inside
-    number = np.bincount(
-        nodes[inside].ravel(), shares[inside].ravel(), minlength=len(sheet.nodes)
-    )
+    number = np.bincount(nodes[inside].ravel(), shares[inside].ravel(), minlength=len(sheet.nodes))
     return {"points": number, **found}

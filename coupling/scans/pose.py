@@ -23,7 +23,9 @@ class Pose:
     @classmethod
     def turned(cls, azimuth: float) -> Pose:
         """Return the rotation about the tank's axis, from x to y [rad]."""
-        return cls(rotation=Rotation.from_rotvec([0.0, 0.0, azimuth]).as_matrix(), shift=np.zeros(3))
+        return cls(
+            rotation=Rotation.from_rotvec([0.0, 0.0, azimuth]).as_matrix(), shift=np.zeros(3)
+        )
 
     def moved(self, points: Array) -> Array:
         """Return ``points`` (p, 3) [m], moved."""
@@ -84,9 +86,7 @@ def determined(sheet: Sheet, matches: Matches, points: Array, size: float) -> Ar
     _, motions = np.linalg.eigh(_squares(rates(at, faces, size)))
     shown = _squares(rates(at, smooth, size))
     feigned = _squares(rates(at, faces - smooth, size))
-    known = [
-        motion for motion in motions.T if motion @ shown @ motion > motion @ feigned @ motion
-    ]
+    known = [motion for motion in motions.T if motion @ shown @ motion > motion @ feigned @ motion]
     return np.array(known).reshape(-1, 6).T
 
 

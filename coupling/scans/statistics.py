@@ -123,9 +123,7 @@ def measure(
 class _Means:
     """Means over points and their errors, those of the points' common motion included."""
 
-    def __init__(
-        self, blocks: Ints, points: Array, size: float, influence: Array | None
-    ) -> None:
+    def __init__(self, blocks: Ints, points: Array, size: float, influence: Array | None) -> None:
         self._blocks, self._points, self._size = blocks, points, size
         self._influence = influence
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.mesh import cells_above, cells_made
+from coupling.scene.carrier import carrier_problems
 from coupling.scene.choices import (
     fluid_models,
     fluid_problems,
@@ -54,6 +55,7 @@ def problems_between(scene: Scene) -> list[str]:
         *_check_wrinkling(scene),
         *ridge_problems(scene),
         *_check_motion(scene),
+        *carrier_problems(scene),
         *_check_time(scene),
         *supply_problems(scene),
         *fluid_problems(scene),

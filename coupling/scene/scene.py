@@ -19,6 +19,7 @@ from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from coupling.ports import Array
+from coupling.scene.carrier import Carrier
 from coupling.scene.checks import problems_between
 from coupling.scene.choices import motion_kind
 from coupling.scene.diaphragm import Diaphragm, Sheet
@@ -50,6 +51,7 @@ __all__ = [
 # Keys that name a file beside the scene, and what its copy in a run's folder is called.
 TABLE_FILES = {
     ("motion", "file"): "motion.csv",
+    ("carrier", "force_file"): "force.csv",
     ("diaphragm", "thickness_map"): "thickness.csv",
     ("tank", "profile"): "profile.csv",
 }
@@ -68,6 +70,7 @@ class Scene(Section):
     liquid: Liquid
     motion: Motion = Motion()
     supply: Supply = Supply()
+    carrier: Carrier = Carrier()
     model: Model = Model()
     cloth: Cloth = Cloth()
     potential: Potential = Potential()
@@ -148,8 +151,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] | Mapping[str, Any] = 
     Parameters
     ----------
     path : str or Path
-        The folder or the file. Files named by ``motion.file`` and ``diaphragm.thickness_map`` are
-        looked for beside the scene.
+        The folder or the file. Files named by ``motion.file``, ``carrier.force_file`` and
+        ``diaphragm.thickness_map`` are looked for beside the scene.
     overrides : Sequence of str or Mapping
         ``key=value`` with dotted keys, the value TOML or else a string; or values by dotted key.
 

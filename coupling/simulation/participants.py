@@ -15,9 +15,12 @@ from cloth.mesh import rest_gradients
 from coupling.fluids import FLUIDS
 from coupling.fluids.model import Record
 from coupling.fluids.supply import supply_of
+from coupling.interface.liquid_shape import cone_moment
 from coupling.metrics.expulsion import Expulsion
 from coupling.metrics.fold_figures import FoldFigures
+from coupling.motion.carrier import Carrier, Prescribed
 from coupling.motion.frame import frame_of
+from coupling.motion.free_tank import FreeTank
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
 from coupling.scene.choices import AUTO
 from coupling.scene.scene import Scene
@@ -54,11 +57,30 @@ class Participants:
         self.folds = FoldFigures(scene, self.cloth.reference, self.cloth.triangles)
         self.expulsion = Expulsion(scene, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
+        self.carrier = self._carrier()
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
         self.halving = Halving(control=self._error_control())
         self.band = PressureBand(scene)
         self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
+
+    def _carrier(self) -> Carrier:
+        """What carries the tank; a free one knows what it contains."""
+        section, density = self.scene.carrier, self.scene.liquid.density
+        if section.mass is None:
+            return Prescribed(self.frame)
+        contents = density * self.supply.volume(0.0) + float(self.cloth.mass.sum())
+        felt = density if self.model.has_flow else 0.0
+        return FreeTank(section, self.frame, mass=section.mass + contents, density=felt)
+
+    def _moment(self) -> Array:
+        """First moment (3,) [kg m] of the sheet, and of a liquid that has a flow."""
+        state = self.cloth.state
+        moment = self.cloth.mass @ state.position
+        if self.model.has_flow:
+            cone = cone_moment(state.position, self.cloth.triangles)
+            moment = moment + self.scene.liquid.density * cone
+        return np.asarray(moment)
 
     def _error_control(self) -> ErrorControl | None:
         """What bounds the error of a step, where the scene asks for it."""
@@ -82,6 +104,7 @@ class Participants:
         ``record`` is called after every coupling iteration, as ``FluidModel.time_step`` has it.
         """
         self._couple(record)
+        self.carrier.start(self._moment())
         with self._timed("fluid"):
             self.step.start()
 
@@ -103,6 +126,7 @@ class Participants:
         self.step.restore(saved)
         self.halving.restore(saved["halving"])
         self.band.restore(saved["band"])
+        self.carrier.restore(saved.get("carrier", {}))
 
     def _couple(self, record: Record) -> None:
         """Build the step of the settled diaphragm with its liquid."""
@@ -117,6 +141,7 @@ class Participants:
         """
         dt, tally = self.scene.time.step, self.tally
         self._parts = []
+        self.carrier.begin_step()
         try:
             parts = self.halving.advance(self.step, now, dt, self.load, taken=self._taken)
         finally:
@@ -129,6 +154,8 @@ class Participants:
 
     def _taken(self, dt: float) -> None:
         """Note the end of a part of ``dt`` [s]."""
+        body_force = self.carrier.accept(self._moment(), self._load.body_force)
+        self._load = replace(self._load, body_force=body_force)
         self._parts.append((dt, self.cloth.losses(), self.cloth.converged))
         self.tally.solved(self.cloth.iterations, converged=self.cloth.converged)
         self.tally.stretched(dt, self.cloth.state)
@@ -144,23 +171,23 @@ class Participants:
     def load(self, start: float, end: float) -> HydrostaticLoad:
         """The liquid's load in a step from ``start`` to ``end`` [s], after the committed state."""
         previous = self.cloth.previous_step
-        body_force = self.frame.body_force(start, end, previous)
+        body_force = self.carrier.body_force(start, end, previous)
         load = self._load_model.load(body_force, self.supply.volume(end))
-        turn = self.frame.turn(start, end, previous)
-        self._load = load if turn is None else replace(load, turn=turn)
+        turn, recoil = self.frame.turn(start, end, previous), self.carrier.recoil
+        self._load = replace(load, turn=turn, recoil=recoil)
         return self._load
 
     def _acceleration(self, time: float) -> Array:
         """Of the tank (3,) [m/s^2] at ``time`` [s], of a record its mean over the step before."""
         if time == 0.0:
             return np.zeros(3)
-        return self.frame.acceleration(time - self.scene.time.step, time)
+        return self.carrier.acceleration(time - self.scene.time.step, time)
 
     def instant(self, time: float, liquid: LiquidSample | None) -> Instant:
         """What the energy balance needs to know of the committed state at ``time`` [s]."""
         shaking = np.zeros(3)
         if time > 0.0:
-            shaking = self.frame.working_acceleration(time - self.scene.time.step, time)
+            shaking = self.carrier.working_acceleration(time - self.scene.time.step, time)
         return instant_of(
             self.cloth, self.cloth.state, liquid, self.scene, self._losses(),
             acceleration=shaking, load=self._load, turned=self._turned(time),
@@ -182,10 +209,10 @@ class Participants:
         sample = sample_at(
             time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
-            displacement=self.frame.displacement(time), attitude=self.frame.attitude(time),
+            displacement=self.carrier.displacement(time), attitude=self.frame.attitude(time),
             rate=self.frame.rate(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
-            metrics=metrics | self.step.metrics(liquid) | own,
+            metrics=metrics | self.step.metrics(liquid) | own | self.carrier.metrics(),
         )  # fmt: skip
         if liquid is not None:
             self.band.add(sample, self.cloth.triangles)
@@ -200,6 +227,7 @@ class Participants:
         return {
             "settled": self.settled, "structure": self.cloth.save(),
             "halving": self.halving.save(), "band": self.band.save(),
+            "carrier": self.carrier.save(),
         } | self.step.save()  # fmt: skip
 
     def close(self) -> None:

@@ -105,6 +105,8 @@ METRIC_UNITS = {
             "dissipated_by_liquid", "dissipated_by_bending", "dissipated_by_drag",
             "dissipated_by_stretch", "dissipated_by_shell_friction",
             "dissipated_by_self_friction", "dissipated_by_layers", "layer_estimate",
+            "carrier_kinetic_energy", "spring_energy", "carrier_work", "damper_loss",
+            "contents_work",
         ),
         "J",
     ),
@@ -122,6 +124,9 @@ METRIC_UNITS = {
     **dict.fromkeys(("non_orthogonality_max", "fold_polar", "fold_azimuth"), "deg"),
     "folded_area": "m^2",
     **dict.fromkeys(("fold_number", "layers_touch"), "-"),
+    **{f"tank_velocity_{axis}": "m/s" for axis in "xyz"},
+    **{f"support_force_{axis}": "N" for axis in "xyz"},
+    **{f"momentum_{axis}": "kg m/s" for axis in "xyz"},
     "volume_error": "-",
     "continuity_error": "-",
 }

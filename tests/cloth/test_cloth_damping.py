@@ -25,6 +25,7 @@ class Nothing:
     volume: float | None = None
     datum: float | None = 0.0
     turn: None = None
+    recoil: None = None
 
 
 def free(mesh: Mesh, settings: Settings) -> Cloth:

@@ -27,6 +27,7 @@ class Pull:
     volume: float | None = None
     datum: float | None = 0.0
     turn: None = None
+    recoil: None = None
 
 
 def patch(friction: float) -> Cloth:

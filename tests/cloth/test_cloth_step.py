@@ -31,6 +31,7 @@ class Water:
     volume: float | None
     body_force: np.ndarray
     datum: float | None = None
+    recoil: None = None
     density: float = WATER
     turn: None = None
 

@@ -26,6 +26,7 @@ class Nothing:
     volume: float | None = None
     datum: float | None = 0.0
     turn: None = None
+    recoil: None = None
 
 
 SLACK = 1e-4 * STIFFNESS  # holds what does not pull in place

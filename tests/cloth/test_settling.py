@@ -26,6 +26,7 @@ class Water:
     volume: float | None
     body_force: np.ndarray
     datum: float | None = None
+    recoil: None = None
     density: float = WATER
     turn: None = None
 

@@ -97,6 +97,11 @@ ACCELERATION = {
     "ft/s2": 0.3048,
     "in/s2": 0.0254,
 }
+FORCE = {
+    **dict.fromkeys(("n", "newton", "newtons"), 1.0),
+    **dict.fromkeys(("kn", "kilonewton", "kilonewtons"), 1e3),
+    **dict.fromkeys(("lbf", "lb"), 4.4482216152605),
+}
 TIME = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
     **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),

@@ -1,0 +1,97 @@
+"""A tank that is free to give way to what it contains, as a part of the sheet's step.
+
+Newton's law of a tank and its contents, of the mass M together, is in a step's implicit formula
+
+    M (a - a0) = -(Q(x) - Q~)/b^2,
+
+with Q the contents' first moment in the tank's frame, so that the body force g - a on sheet and
+liquid is b0 + (Q - Q~)/(b^2 M), b0 = g - a0. That is a negative inertia of rank 3: what moves
+against a light tank has the reduced mass of both. It stands in the step's matrix; left to the
+iterations it would not converge where the tank is light.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cloth.arrays import Array
+from cloth.linear import System
+from cloth.load import Load, Recoil
+from cloth.model import ClothModel
+
+
+def first_moment(model: ClothModel, density: float, x: Array) -> Array:
+    """Q (3,) [kg m] of the sheet at ``x`` (n, 3) [m] and a liquid of ``density`` [kg/m^3] below.
+
+    Exact for the triangles, less the constant of the shell's part below the rim.
+    """
+    moment = model.mass @ x
+    if density:
+        a, b, c = (x[model.triangles[:, k]] for k in range(3))
+        cone = np.einsum("mx,mx->m", a, np.cross(b, c)) / 6.0
+        moment = moment + density * (cone @ (a + b + c)) / 4.0
+    return np.asarray(moment)
+
+
+def moment_rows(model: ClothModel, density: float, x: Array) -> Array:
+    """Derivative (3, n, 3) [kg] of ``first_moment`` by the nodes at ``x`` (n, 3) [m].
+
+    Row e is the force on the nodes of the weight and the pressure of a unit body force along e;
+    0 on fixed nodes.
+    """
+    rows = np.zeros((3, *x.shape))
+    for axis in range(3):
+        rows[axis, :, axis] = model.mass
+    if density:
+        corner = x[model.triangles]
+        a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+        third = density * np.cross(a, b) / 6.0
+        share = 0.25 * (corner + corner.sum(axis=1, keepdims=True))  # int x phi dA over A/3
+        pushed = np.einsum("tce,tx->etcx", share, third).reshape(3, -1, 3)
+        nodes = model.triangles.ravel()
+        for row, force in zip(rows, pushed, strict=True):
+            np.add.at(row, nodes, force)
+    rows[:, model.mesh.fixed] = 0.0
+    return rows
+
+
+class TankRecoil:
+    """The body force of a step in a free tank, and what it adds to the step's matrix.
+
+    ``push`` and ``pull`` (3, n, 3) [sqrt(N/m)]: the step's matrix is A - push^T pull, the former
+    of all that a body force acts on, the latter of all whose motion the tank feels.
+    """
+
+    def __init__(
+        self, model: ClothModel, load: Load, recoil: Recoil, *, b: float, start: Array
+    ) -> None:
+        """In a step of the time ``b`` [s], whose end is looked for from ``start`` (n, 3) [m]."""
+        self._model, self._recoil, self._base = model, recoil, load.body_force
+        self._scale = 1.0 / (b * b * recoil.mass)
+        root = np.sqrt(self._scale)[:, None, None]
+        self.push = root * moment_rows(model, load.density, start)
+        same = recoil.density == load.density
+        self.pull = self.push if same else root * moment_rows(model, recoil.density, start)
+        self._mass = np.where(model.free, model.mass, 0.0)
+
+    def body_force(self, x: Array) -> Array:
+        """Gravity less the tank's acceleration (3,) [m/s^2] with the sheet at ``x`` (n, 3) [m]."""
+        moved = first_moment(self._model, self._recoil.density, x) - self._recoil.prediction
+        return np.asarray(self._base + self._scale * moved)
+
+    def force(self, x: Array, body_force: Array) -> Array:
+        """Right-hand side (n, 3) [N] at ``x``: more weight than b0's, less what the matrix has."""
+        weight = self._mass[:, None] * (body_force - self._base)
+        linear = np.einsum("kix,k->ix", self.push, np.einsum("kix,ix->k", self.pull, x))
+        return np.asarray(weight - linear)
+
+
+def recoil_in(
+    system: System, model: ClothModel, load: Load, *, b: float, start: Array
+) -> TankRecoil | None:
+    """The recoil of a step with this ``load``, taken into its ``system``; None of a held tank."""
+    if load.recoil is None:
+        return None
+    recoil = TankRecoil(model, load, load.recoil, b=b, start=start)
+    system.take_recoil(recoil.push, recoil.pull)
+    return recoil

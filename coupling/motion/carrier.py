@@ -1,0 +1,101 @@
+"""What carries the tank in a run: its prescribed motion, or nothing but springs (``free_tank``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+from coupling.motion.frame import Frame
+from coupling.ports import Array, Recoil
+
+
+class Carrier(Protocol):
+    """What moves the tank; results are (3,), and all but the steps is of the committed state.
+
+    ``recoil``: of the step opened last, None where nothing that the tank contains moves it.
+    """
+
+    recoil: Recoil | None
+
+    def start(self, moment: Array) -> None:
+        """At rest, the contents' first moment in the tank being ``moment`` (3,) [kg m]."""
+
+    def begin_step(self) -> None:
+        """A step of the run begins, which may be taken in parts."""
+
+    def body_force(self, start: float, end: float, previous: float) -> Array:
+        """Open a part from ``start`` to ``end`` [s]; b [m/s^2] of it, but for the ``recoil``.
+
+        ``previous`` [s]: length of the part before, 0 where there was none.
+        """
+
+    def accept(self, moment: Array, body_force: Array) -> Array:
+        """Commit the part that was opened last; b [m/s^2] at its end.
+
+        ``moment`` (3,) [kg m] as in ``start``, there; ``body_force`` (3,): what opening it gave.
+        """
+
+    def acceleration(self, start: float, end: float) -> Array:
+        """Of the tank [m/s^2] at the ``end`` [s] of a step; of a record its mean over it."""
+
+    def working_acceleration(self, start: float, end: float) -> Array:
+        """The one [m/s^2] whose product with what moves in the step is the tank's work."""
+
+    def displacement(self, time: float) -> Array:
+        """Of the tank [m], from where it stood at time 0."""
+
+    def metrics(self) -> dict[str, float]:
+        """Scalars for the results."""
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs."""
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+
+
+class Prescribed:
+    """A tank that moves as its ``frame`` says, whatever it contains."""
+
+    recoil: Recoil | None = None
+
+    def __init__(self, frame: Frame) -> None:
+        self.frame = frame
+
+    def start(self, moment: Array) -> None:
+        """Nothing: what it contains does not move it."""
+
+    def begin_step(self) -> None:
+        """Nothing is counted from here."""
+
+    def body_force(self, start: float, end: float, previous: float) -> Array:
+        """That of the frame."""
+        return self.frame.body_force(start, end, previous)
+
+    def accept(self, moment: Array, body_force: Array) -> Array:
+        """What it was."""
+        del moment
+        return body_force
+
+    def acceleration(self, start: float, end: float) -> Array:
+        """That of the frame."""
+        return self.frame.acceleration(start, end)
+
+    def working_acceleration(self, start: float, end: float) -> Array:
+        """That of the frame."""
+        return self.frame.working_acceleration(start, end)
+
+    def displacement(self, time: float) -> Array:
+        """That of the frame."""
+        return self.frame.displacement(time)
+
+    def metrics(self) -> dict[str, float]:
+        """None: the motion is known."""
+        return {}
+
+    def save(self) -> dict[str, Array]:
+        """Nothing: it is a function of time."""
+        return {}
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """Nothing."""

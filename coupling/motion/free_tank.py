@@ -1,0 +1,192 @@
+"""A tank that nothing but springs, dampers and a given force holds; it does not turn.
+
+With P = M v + dQ/dt the momentum of tank and contents, M their mass and Q the contents' first
+moment in the tank's frame, Newton's law of the whole asks for
+
+    M a + d^2 Q/dt^2 = F - K (d - s) - C (v - ds/dt),
+
+d the tank's displacement, s the ground's. So the contents' force on the tank is that of their
+momentum, not an integral of pressures: without F, K and C the momentum is kept to rounding. The
+time scheme is the sheet's (``cloth.kinematics``), and a as a function of Q stands in the sheet's
+own step (``cloth.recoil``). A liquid without a flow has no momentum of its own in the tank: its
+pressure takes none from it, and felt by the tank alone that would be an inertia below zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cloth.kinematics import Kinematics, kinematics
+from coupling.motion.frame import Frame
+from coupling.motion.table import TableMotion
+from coupling.ports import Array, Recoil
+from coupling.scene.carrier import Carrier
+
+# Committed arrays, each (3,) but for the step before [s] and the energies [J] since the start.
+_STATE = ("displacement", "velocity", "moment", "moment_rate")
+_NAMES = (
+    *_STATE, *(f"previous_{name}" for name in _STATE),
+    "previous_dt", "acceleration", "first_acceleration", "time", "work", "damped", "contents",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """A part of a step that is open: from ``start`` to ``end`` [s]."""
+
+    start: float
+    end: float
+    tank: Kinematics
+    moment: Kinematics
+
+
+class FreeTank:
+    """Moves as it is pushed; ``recoil`` is that of the part of a step that was opened last.
+
+    ``section``: its springs, dampers and forces; ``frame``: gravity, and how the ground moves;
+    ``mass`` [kg] of tank and contents; ``density`` [kg/m^3] of a liquid that has a momentum of its
+    own in the tank, 0 for none.
+    """
+
+    def __init__(self, section: Carrier, frame: Frame, *, mass: float, density: float) -> None:
+        self.frame, self.mass, self.density = frame, mass, density
+        self.springs, self.dampers = np.array(section.springs), np.array(section.dampers)
+        self.forces = None if section.forces is None else TableMotion(section.forces)
+        self.recoil: Recoil | None = None
+        self._now = {name: np.zeros(3) for name in _NAMES}
+        self._part: _Part | None = None
+
+    def start(self, moment: Array) -> None:
+        """At rest, the contents' first moment being ``moment`` (3,) [kg m]."""
+        self._now["moment"] = self._now["previous_moment"] = moment
+
+    def begin_step(self) -> None:
+        """Keep the acceleration where the step begins."""
+        self._now["first_acceleration"] = self._now["acceleration"]
+
+    def body_force(self, start: float, end: float, previous: float) -> Array:
+        """Open a part of a step; g - a0, a0 the acceleration of contents that keep theirs."""
+        now, before = self._now, float(self._now["previous_dt"][0])
+        tank, moment = (
+            kinematics(
+                end - start, before, now[place], now[rate],
+                now[f"previous_{place}"], now[f"previous_{rate}"],
+            )
+            for place, rate in (("displacement", "velocity"), ("moment", "moment_rate"))
+        )  # fmt: skip
+        self._part = _Part(start=start, end=end, tank=tank, moment=moment)
+        b = tank.b
+        mass = self.mass + b * (self.dampers + b * self.springs)
+        self.recoil = Recoil(mass=mass, density=self.density, prediction=moment.prediction)
+        pushed = self._support(end, tank.prediction, tank.velocity_anchor)
+        if self.forces is not None:
+            pushed = pushed + self.forces.step_acceleration(start, end, previous)
+        return np.asarray(self.frame.gravity - pushed / mass)
+
+    def _support(self, time: float, displacement: Array, velocity: Array) -> Array:
+        """Force (3,) [N] of springs and dampers, beyond what holds the tank up at rest."""
+        ground = self.frame.motion
+        stretched = displacement - ground.displacement(time)
+        return -self.springs * stretched - self.dampers * (velocity - ground.velocity(time))
+
+    def accept(self, moment: Array, body_force: Array) -> Array:
+        """Commit the part that was opened last: Newton's law with the contents' ``moment``."""
+        part, recoil, now = self._part, self.recoil, self._now
+        assert part is not None
+        assert recoil is not None
+        b, dt = part.tank.b, part.end - part.start
+        contents = (moment - recoil.prediction) / (b * b * recoil.mass)
+        acceleration = self.frame.gravity - body_force - contents
+        velocity = part.tank.velocity_anchor + b * acceleration
+        after = {
+            "displacement": part.tank.prediction + b * b * acceleration,
+            "velocity": velocity,
+            "moment": moment,
+            "moment_rate": part.moment.velocity(moment),
+        }
+        self._now = (
+            now
+            | {f"previous_{name}": now[name] for name in _STATE}
+            | after
+            | {
+                "previous_dt": np.full(3, dt), "time": np.full(3, part.end),
+                "acceleration": acceleration,
+            }
+            | self._energies(part, after, acceleration)
+        )  # fmt: skip
+        return np.asarray(self.frame.gravity - acceleration)
+
+    def _energies(
+        self, part: _Part, after: Mapping[str, Array], acceleration: Array
+    ) -> dict[str, Array]:
+        """Works [J] by axis since the start, by the trapezoidal rule.
+
+        Of the ground and the given force, what the dampers took, and what went to the contents.
+        """
+        now, ground, dt = self._now, self.frame.motion, part.end - part.start
+        states = ((part.start, now), (part.end, after))
+        support = [self._support(t, one["displacement"], one["velocity"]) for t, one in states]
+        slip = [(one["velocity"] - ground.velocity(t)) ** 2 for t, one in states]
+        moved = after["displacement"] - now["displacement"]
+        ground_moved = ground.displacement(part.end) - ground.displacement(part.start)
+        work = 0.5 * (support[0] + support[1]) * ground_moved
+        if self.forces is not None:
+            work = work + self.forces.working_acceleration(part.start, part.end) * moved
+        mean = 0.5 * (now["acceleration"] + acceleration)
+        return {
+            "work": now["work"] + work,
+            "damped": now["damped"] + 0.5 * dt * self.dampers * (slip[0] + slip[1]),
+            "contents": now["contents"] - mean * (after["moment"] - now["moment"]),
+        }
+
+    def acceleration(self, start: float, end: float) -> Array:
+        """At the end of the last step [m/s^2]."""
+        del start, end
+        return self._now["acceleration"]
+
+    def working_acceleration(self, start: float, end: float) -> Array:
+        """Mean of both ends of the last step [m/s^2]: the trapezoidal rule."""
+        del start, end
+        return np.asarray(0.5 * (self._now["first_acceleration"] + self._now["acceleration"]))
+
+    def displacement(self, time: float) -> Array:
+        """At the end of the last step [m]."""
+        del time
+        return self._now["displacement"]
+
+    def metrics(self) -> dict[str, float]:
+        """Velocity [m/s], force of the support [N] and momentum [kg m/s] by axis; energies [J].
+
+        ``carrier_kinetic_energy`` is what tank and contents have in the ground's frame beyond the
+        contents' own in the tank's, M v^2/2 + v . dQ/dt.
+        """
+        now, time = self._now, float(self._now["time"][0])
+        velocity, displacement = now["velocity"], now["displacement"]
+        support = self._support(time, displacement, velocity)
+        momentum = self.mass * velocity + now["moment_rate"]
+        kinetic = float(velocity @ (0.5 * self.mass * velocity + now["moment_rate"]))
+        stretched = displacement - self.frame.displacement(time)
+        vectors = {"tank_velocity": velocity, "support_force": support, "momentum": momentum}
+        found = {
+            f"{name}_{axis}": float(value)
+            for name, vector in vectors.items()
+            for axis, value in zip("xyz", vector, strict=True)
+        }
+        return found | {
+            "carrier_kinetic_energy": kinetic,
+            "spring_energy": 0.5 * float(self.springs @ stretched**2),
+            "carrier_work": float(now["work"].sum()),
+            "damper_loss": float(now["damped"].sum()),
+            "contents_work": float(now["contents"].sum()),
+        }
+
+    def save(self) -> dict[str, Array]:
+        """Everything ``restore`` needs."""
+        return dict(self._now)
+
+    def restore(self, saved: Mapping[str, Array]) -> None:
+        """The reverse of ``save``."""
+        self._now = {name: saved[name] for name in _NAMES}
