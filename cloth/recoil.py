@@ -68,11 +68,24 @@ class TankRecoil:
         """In a step of the time ``b`` [s], whose end is looked for from ``start`` (n, 3) [m]."""
         self._model, self._recoil, self._base = model, recoil, load.body_force
         self._scale = 1.0 / (b * b * recoil.mass)
-        root = np.sqrt(self._scale)[:, None, None]
-        self.push = root * moment_rows(model, load.density, start)
         same = recoil.density == load.density
-        self.pull = self.push if same else root * moment_rows(model, recoil.density, start)
+        self.push = self._rows(load, load.density, start)
+        self.pull = self.push if same else self._rows(load, recoil.density, start)
         self._mass = np.where(model.free, model.mass, 0.0)
+
+    def _rows(self, load: Load, density: float, start: Array) -> Array:
+        """Rows (3, n, 3) of the matrix, about the height at which they feel the volume least.
+
+        A pressure that is the same everywhere is the datum's, and the volume does not change: about
+        which point moments are taken is no matter to the step, but about a far one they would
+        outweigh an inertia that has no part in a changing volume.
+        """
+        rows = moment_rows(self._model, density, start)
+        if load.volume is not None and density:
+            _, gradient = self._model.volume_and_gradient(start)
+            arm = np.einsum("kix,ix->k", rows, gradient) / float(np.vdot(gradient, gradient))
+            rows = rows - arm[:, None, None] * gradient
+        return np.asarray(np.sqrt(self._scale)[:, None, None] * rows)
 
     def body_force(self, x: Array) -> Array:
         """Gravity less the tank's acceleration (3,) [m/s^2] with the sheet at ``x`` (n, 3) [m]."""
