@@ -112,6 +112,13 @@ def _identifiable(scene: Scene) -> Scene:
                 "Any other liquid has no waves, or is chosen run by run."
             ]
         )
+    if scene.carrier.free:
+        raise SceneError(
+            [
+                'carrier.kind: must be "prescribed" to identify a tank, got "free". Leave '
+                "[carrier] out: the liquid's model does not depend on what carries the tank."
+            ]
+        )
     along, gravity = scene.motion.unit_direction, np.array(scene.gravity)
     if abs(float(along @ gravity)) > 1e-6 * float(np.linalg.norm(gravity)):
         raise SceneError(

@@ -8,6 +8,7 @@ import numpy as np
 
 from coupling.estimate.strength import strength_verdict, stress_estimate
 from coupling.metrics import bernoulli
+from coupling.metrics.carrier import carrier_summary
 from coupling.metrics.energy import energy_summary
 from coupling.metrics.expulsion import expulsion_summary
 from coupling.metrics.fold_figures import fold_summary
@@ -59,6 +60,7 @@ def summarise(
     pressure, in the fitted periods. ``record``: rms, peaks, level crossings and bands of a motion
     that follows a record (``record_statistics``), null for any other; its ``amplitude`` is half the
     peak-to-peak range. ``impacts``: impulses of the force, null for a motion without a frequency.
+    ``carrier``: motion, forces and energies of a free tank, null of any other.
     ``rubs`` is what had gathered at the end (``rub_summary``), ``rubbing`` its former part. What
     cannot be said at all is null.
     """
@@ -108,6 +110,7 @@ def summarise(
         "record": record_statistics(series, scene),
         "boundary_layer": layer_resolution(series.metrics, scene.liquid.viscosity, scene.frequency),
         "flow_mesh": mesh_fit(series.metrics),
+        "carrier": carrier_summary(series, scene),
         "energy": energy_summary(series, scene.frequency, periods),
         "fitted_periods": periods,
         "error": error,

@@ -12,6 +12,7 @@ import numpy as np
 
 from coupling.metrics.response import weight_of
 from coupling.report.bernoulli_tables import bernoulli_table, impulse_sentence, split_table
+from coupling.report.carrier_section import carrier_section
 from coupling.report.energy_section import energy_section
 from coupling.report.expulsion_section import expulsion_section
 from coupling.report.figures import (
@@ -81,7 +82,8 @@ def _sections(run: RunFiles) -> list[Section]:
         energy = energy_section(run)
         by_record = run.summary.get("record") is not None
         moved = record_sections(run) if by_record else [_motion(run)]
-        sections += [pressure_section(run), *moved, *([energy] if energy else [])]
+        extra = [section for section in (carrier_section(run), energy) if section]
+        sections += [pressure_section(run), *moved, *extra]
     else:
         sections.append(
             Section(title="What hydrostatics leaves out", tables=[bernoulli_table(run)])

@@ -1,0 +1,84 @@
+"""What a scene may say of its carrier, and what it is told where that is wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from water_tank import scene
+
+from coupling.mechanical.plan import conditions
+from coupling.scene.carrier import read_force_table
+from coupling.scene.scene import SceneError, load_scene, scene_toml, with_overrides
+from coupling.scene.tables.text import TableError
+from coupling.store.scene_file import write_scene
+
+FREE = {"kind": "free", "mass": 30.0}
+TABLE = "time (ms); fx (kN); fy (kN); fz (kN)\n0; 0; 0; 0\n50; 0,2; 0; -0,1\n200; 0; 0; 0\n"
+
+
+@pytest.fixture
+def forces(tmp_path: Path) -> Path:
+    file = tmp_path / "given" / "pushes.csv"
+    file.parent.mkdir()
+    file.write_text(TABLE)
+    return file
+
+
+@pytest.mark.parametrize(
+    ("sections", "said"),
+    [
+        ({"carrier": {"kind": "free"}}, 'carrier.mass: is required for kind = "free". Give the'),
+        ({"carrier": {"mass": 30.0}}, 'carrier.mass: is read with carrier.kind = "free" only'),
+        (
+            {"carrier": {"springs": [1.0, 0.0, 0.0]}},
+            'carrier.springs: is read with carrier.kind = "free" only',
+        ),
+        ({"carrier": FREE | {"springs": [-1.0, 0.0, 0.0]}}, "carrier.springs: must not be negat"),
+        ({"carrier": FREE | {"inertia": 1.0}}, "carrier.inertia"),
+        ({"carrier": FREE, "model": {"fluid": "datum"}}, 'got "datum", which keeps no volume'),
+        ({"carrier": FREE, "model": {"fluid": "auto"}}, 'got "auto", whose errors are those of'),
+        ({"carrier": {"kind": "loose"}}, "carrier.kind"),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_mend(sections: dict, said: str):
+    with pytest.raises(SceneError) as error:
+        scene(**sections)
+    assert said in str(error.value)
+
+
+def test_forces_are_read_in_their_units_and_go_with_the_run(forces: Path, tmp_path: Path):
+    table = read_force_table(forces)
+    assert table.time == pytest.approx([0.0, 0.05, 0.2])
+    assert table.acceleration[1] == pytest.approx([200.0, 0.0, -100.0])
+    given = scene(carrier=FREE | {"force_file": str(forces)})
+    (tmp_path / "run").mkdir()
+    write_scene(given, tmp_path / "run")
+    again = load_scene(tmp_path / "run")
+    assert Path(again.carrier.force_file or "").read_text() == TABLE
+    assert again.carrier.forces is not None
+    assert np.array_equal(again.carrier.forces.acceleration, table.acceleration)
+    assert 'kind = "free"' in scene_toml(given)
+
+
+def test_forces_must_cover_the_run(forces: Path):
+    with pytest.raises(SceneError, match="must cover 0 to 0[.]5 s, covers 0 to 0[.]2 s"):
+        scene(carrier=FREE | {"force_file": str(forces)}, time={"duration": 0.5})
+
+
+def test_forces_must_be_in_order(tmp_path: Path):
+    (tmp_path / "push.csv").write_text("time,fx,fy,fz\n0,0,0,0\n1,0,0,0\n1,1,0,0\n")
+    with pytest.raises(TableError, match="line 4: time must increase"):
+        read_force_table(tmp_path / "push.csv")
+
+
+def test_a_free_tank_is_not_identified(tmp_path: Path):
+    (tmp_path / "scene.toml").write_text(scene_toml(scene(carrier=FREE)))
+    with pytest.raises(SceneError, match='must be "prescribed" to identify a tank'):
+        conditions(tmp_path, [], [0.5], [1e-3])
+
+
+def test_a_prescribed_tank_s_scene_is_what_it_was():
+    """The section is there with its default alone."""
+    given = scene()
+    assert given.carrier.kind == "prescribed"
+    assert with_overrides(given, {"carrier.kind": "prescribed"}) == given
