@@ -61,7 +61,7 @@ def test_forces_are_read_in_their_units_and_go_with_the_run(forces: Path, tmp_pa
 
 
 def test_forces_must_cover_the_run(forces: Path):
-    with pytest.raises(SceneError, match="must cover 0 to 0[.]5 s, covers 0 to 0[.]2 s"):
+    with pytest.raises(SceneError, match=r"must cover 0 to 0\.5 s, covers 0 to 0\.2 s"):
         scene(carrier=FREE | {"force_file": str(forces)}, time={"duration": 0.5})
 
 
