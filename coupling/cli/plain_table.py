@@ -25,7 +25,7 @@ def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]])
 
 def figure(value: Any, digits: int = 4) -> str:
     """A number to ``digits``, a dash where there is none, lists element by element."""
-    if value is None:
+    if value is None or value != value:
         return "-"
     if isinstance(value, list | tuple):
         return ", ".join(figure(item, digits) for item in value)

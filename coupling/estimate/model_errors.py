@@ -8,6 +8,7 @@ first harmonic, |c - c_ref|/|c_ref|: amplitude and phase in one number.
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -158,9 +159,12 @@ def estimates(scene: Scene) -> dict[str, Estimate]:
 
     Where the data were measured against the next model, that one's own error is added in
     quadrature; that of a flow's mesh is taken to the scene's mesh (``FluidModel.error_scale``). All
-    are zero at rest, where the liquid is hydrostatic exactly.
+    are zero at rest, where the liquid is hydrostatic exactly, and unknown of a free tank.
     """
     numbers, names = numbers_of(scene), ladder()
+    if scene.carrier.free:
+        unknown = Estimate(expected=math.nan, upper=math.nan, outside=("carrier",))
+        return dict.fromkeys(names, unknown)
     if numbers.acceleration_ratio == 0.0:
         return {name: Estimate(expected=0.0, upper=0.0) for name in names}
     place = coordinates(**{name: getattr(numbers, name) for name in PLACE})
@@ -203,6 +207,9 @@ def choose(scene: Scene) -> Choice:
     """
     known, kept = estimates(scene), f"{scene.model.tolerance:.3g} in nine scenes of ten"
     meshless = [fluid for fluid in known if FLUIDS[fluid].coarser(scene) is None]
+    if scene.carrier.free:
+        reason = "the known errors are of prescribed motions, and a free tank feels the waves in it"
+        return Choice(fluid=meshless[-1], reason=reason, estimates=known)
     for fluid in meshless:
         if known[fluid].upper <= scene.model.tolerance:
             reason = f"{fluid} is the cheapest that keeps {kept}: {_figures(known[fluid])}"

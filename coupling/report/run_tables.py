@@ -11,6 +11,7 @@ from coupling.fluids import FLUIDS
 from coupling.motion import MOTIONS
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
+from coupling.scene.carrier import Carrier
 from coupling.scene.tank import Tank
 
 
@@ -52,7 +53,8 @@ def scene_tables(run: RunFiles) -> list[Table]:
         ],
         ["Diaphragm’s density", number(rubber.density, "kg/m³", 4)],
         ["Young’s modulus", number(rubber.youngs_modulus / 1e6, "MPa")],
-        ["Shaking", shaking],
+        ["Ground’s motion" if scene.carrier.free else "Shaking", shaking],
+        *_carrier_rows(scene.carrier),
         ["Step, duration", f"{number(1e3 * time.step, 'ms')}, {number(time.duration, 's')}"],
         ["Fluid model", scene.model.fluid],
         ["Cloth rings; flow cells", f"{scene.cloth.resolution}; {flow}"],
@@ -75,6 +77,22 @@ def scene_tables(run: RunFiles) -> list[Table]:
         ["Added over rubber mass", number(numbers.added_mass_ratio)],
     ]
     return [Table(rows=rows, numbers=True), Table(rows=derived, numbers=True)]
+
+
+def _carrier_rows(carrier: Carrier) -> list[list[str]]:
+    """What holds a free tank; nothing of one whose motion is prescribed."""
+    if not carrier.free:
+        return []
+    held = {"Springs along x, y, z (N/m)": carrier.springs,
+            "Dampers along x, y, z (N s/m)": carrier.dampers}  # fmt: skip
+    return [
+        ["Free tank’s mass", number(carrier.mass, "kg")],
+        *(
+            [head, ", ".join(number(value, digits=4) for value in values)]
+            for head, values in held.items()
+            if any(values)
+        ),
+    ]
 
 
 def motion_table(run: RunFiles) -> Table:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from water_tank import scene
 
+from coupling.estimate.model_errors import choose
 from coupling.mechanical.plan import conditions
 from coupling.scene.carrier import read_force_table
 from coupling.scene.scene import SceneError, load_scene, scene_toml, with_overrides
@@ -75,6 +76,14 @@ def test_a_free_tank_is_not_identified(tmp_path: Path):
     (tmp_path / "scene.toml").write_text(scene_toml(scene(carrier=FREE)))
     with pytest.raises(SceneError, match='must be "prescribed" to identify a tank'):
         conditions(tmp_path, [], [0.5], [1e-3])
+
+
+def test_no_model_s_error_is_known_of_a_free_tank():
+    """It is advised a liquid that has waves, not one that needs none where the ground rests."""
+    choice = choose(scene(carrier=FREE))
+    assert choice.fluid == "potential"
+    assert all(np.isnan(one.expected) for one in choice.estimates.values())
+    assert choose(scene()).fluid == "hydrostatic"
 
 
 def test_a_prescribed_tank_s_scene_is_what_it_was():
