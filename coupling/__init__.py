@@ -1,7 +1,8 @@
 """Partitioned fluid-structure interaction of spherical elastomeric diaphragm tanks.
 
 What a program or a notebook needs is here: ``load_scene``, ``run``, ``resume``, ``study``,
-``sweep``, ``design``, ``identify`` and ``read_results``, and what they return. Each is imported
+``sweep``, ``design``, ``identify``, ``compare_scan`` and
+``read_results``, and what they return. Each is imported
 when it is first asked for, so that importing the package costs nothing.
 """
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from coupling.api.designs import Design, design
     from coupling.api.identification import Identification, identify
     from coupling.api.runs import FailedRun, Run, resume, run
+    from coupling.api.scans import ScanComparison, compare_scan
     from coupling.api.studies import Study, study
     from coupling.api.sweeps import Sweep, sweep
     from coupling.scene.scene import Scene, SceneError, load_scene
@@ -25,10 +27,12 @@ __all__ = [
     "Identification",
     "Results",
     "Run",
+    "ScanComparison",
     "Scene",
     "SceneError",
     "Study",
     "Sweep",
+    "compare_scan",
     "design",
     "identify",
     "load_scene",
@@ -43,6 +47,7 @@ _HOMES = {
     "coupling.api.designs": ("Design", "design"),
     "coupling.api.identification": ("Identification", "identify"),
     "coupling.api.runs": ("FailedRun", "Run", "resume", "run"),
+    "coupling.api.scans": ("ScanComparison", "compare_scan"),
     "coupling.api.studies": ("Study", "study"),
     "coupling.api.sweeps": ("Sweep", "sweep"),
     "coupling.scene.scene": ("Scene", "SceneError", "load_scene"),

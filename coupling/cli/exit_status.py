@@ -86,12 +86,15 @@ def _wrong_input() -> tuple[type[Exception], ...]:
     """What is raised before anything starts; imported when a verb has failed, as it takes long."""
     from coupling.campaign.sweep_plan import SweepError
     from coupling.foam.prefixes import OpenFoamMissing
+    from coupling.scans.errors import ScanError
     from coupling.scene.errors import SceneError
     from coupling.store.atomic import UnreadableFile
     from coupling.store.folder_lock import FolderError
     from coupling.verify.case import CaseError
 
-    return SceneError, SweepError, FolderError, CaseError, OpenFoamMissing, UnreadableFile
+    return (
+        SceneError, SweepError, FolderError, CaseError, OpenFoamMissing, UnreadableFile, ScanError,
+    )  # fmt: skip
 
 
 def _failure() -> type[Exception]:

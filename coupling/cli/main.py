@@ -27,6 +27,7 @@ VERBS: Registry[Callable[..., None]] = Registry(
         "sweep": "coupling.cli.sweep:sweep",
         "identify": "coupling.cli.identify:identify",
         "design": "coupling.cli.design:design",
+        "compare": "coupling.cli.compare:compare",
         "report": "coupling.cli.report:report",
         "render": "coupling.cli.render:render",
         "export": "coupling.cli.export:export",

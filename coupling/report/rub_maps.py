@@ -94,14 +94,14 @@ def mould_map(results: Results, values: Array, label: str) -> str:
     )
     largest = int(np.argmax(values))
     axes.plot(x[largest], y[largest], "o", markersize=9, mfc="none", mec=INK, mew=1.3)
-    _graticule(axes)
+    graticule(axes)
     bar = figure.colorbar(colours, shrink=0.8)
     bar.outline.set_visible(False)
     bar.set_label(label)
     return svg(figure)
 
 
-def _graticule(axes: Any) -> None:
+def graticule(axes: Any) -> None:
     """Circles of polar angle and lines of azimuth, with their degrees."""
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     for circle in (30.0, 60.0, 90.0):

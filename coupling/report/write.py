@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from coupling.ports import Array, Ints
 from coupling.report.design_report import design_page
 from coupling.report.files import read_run
 from coupling.report.identification_report import identification_page
 from coupling.report.page import html
 from coupling.report.run_report import run_page
+from coupling.report.scan_report import scan_page
 from coupling.report.study_report import study_page
 from coupling.report.style import house_style
 from coupling.report.sweep_report import sweep_page
@@ -60,5 +64,20 @@ def write_report(folder: Path | str) -> Path:
         else:
             page = run_page(read_run(folder))
     path = folder / FILE
+    write_text(path, html(page))
+    return path
+
+
+def write_scan_report(
+    folder: Path, table: Mapping[str, Any], nodes: Mapping[str, Array], triangles: Ints
+) -> Path:
+    """Write ``compare.html`` of a scan held against a run; return its path.
+
+    ``table``: what ``compare.json`` holds; ``nodes``: the columns (n,) of ``compare.csv``;
+    ``triangles`` (m, 3) of the run's diaphragm. Raises ``RunFailed`` where it cannot be written.
+    """
+    with house_style():
+        page = scan_page(table, nodes, triangles)
+    path = folder / "compare.html"
     write_text(path, html(page))
     return path

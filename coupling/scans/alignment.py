@@ -61,20 +61,20 @@ def align(sheet: Sheet, points: Array, size: float) -> Alignment:
     few, some, many = (np.sort(order[:most]) for most, _ in (_FEW, _SOME, _MANY))
     basis = determined(sheet, sheet.match(points[some]), points[some], size)
     poses = [Pose.turned(0.0)]
-    if names_known(basis)["turn_z"]:
+    if names_known(basis)["azimuth"]:
         around = [Pose.turned(float(one)) for one in np.radians(np.arange(0.0, 360.0, SPACING))]
         found = _fits(sheet, points[few], around, basis, size, _FEW[1])
         found = _fits(sheet, points[some], _distinct(found), basis, size, _SOME[1])
         poses = [fit.pose for fit in _as_good(found, blocks_of(points[some]))]
     fits = _fits(sheet, points[many], poses, basis, size, _MANY[1])
-    best, *others = _as_good(fits, blocks_of(points[many]))
+    best, *others = _one_each(_as_good(fits, blocks_of(points[many])))
     influence = np.zeros((len(points), 6))
     influence[many] = _influence(sheet, best.pose.moved(points[many]), basis, size)
     return Alignment(
         pose=best.pose,
         basis=basis,
         influence=influence * (len(points) / len(many)),
-        as_good=tuple(one.pose.azimuth for one in others if not _same(one.pose, best.pose)),
+        as_good=tuple(one.pose.azimuth for one in others),
         converged=best.converged,
     )
 
@@ -101,11 +101,17 @@ def _fits(
 
 
 def _distinct(fits: list[_Fit]) -> list[Pose]:
-    """The pose of the first of ``fits``, and of the best of the others, each minimum once."""
-    found = [fits[0].pose]
-    for fit in sorted(fits[1:], key=lambda one: float(one.squares.mean())):
-        if len(found) <= _BEST and not any(_same(fit.pose, one) for one in found):
-            found.append(fit.pose)
+    """The pose of the first of ``fits``, and those of the best of the others, each minimum once."""
+    ranked = sorted(fits[1:], key=lambda one: float(one.squares.mean()))
+    return [fit.pose for fit in _one_each([fits[0], *ranked])[: _BEST + 1]]
+
+
+def _one_each(fits: list[_Fit]) -> list[_Fit]:
+    """The first of ``fits`` that have come to one azimuth."""
+    found: list[_Fit] = []
+    for fit in fits:
+        if not any(_same(fit.pose, one.pose) for one in found):
+            found.append(fit)
     return found
 
 

@@ -11,9 +11,10 @@ import numpy as np
 
 from coupling.ports import Array
 from coupling.scans.alignment import Alignment, align
+from coupling.scans.errors import ScanError
 from coupling.scans.node_map import node_means
 from coupling.scans.pose import AXES, names_known
-from coupling.scans.reading import ScanError, check_size, read_scan
+from coupling.scans.reading import check_size, read_scan
 from coupling.scans.sampling_error import blocks_of, mean_error
 from coupling.scans.sheet import Sheet
 from coupling.scans.statistics import Figure, Measured, explained, measure
@@ -24,9 +25,9 @@ _SAID = {
     "shift_x": "a shift along x",
     "shift_y": "a shift along y",
     "shift_z": "a shift along the tank's axis",
-    "turn_x": "a rotation about x",
-    "turn_y": "a rotation about y",
-    "turn_z": "the rotation about the tank's axis",
+    "tilt_x": "a rotation about x",
+    "tilt_y": "a rotation about y",
+    "azimuth": "the rotation about the tank's axis",
 }
 _LARGE_SHIFT, _LARGE_TILT = 0.1, np.radians(10.0)  # of the radius, of a motion that is not small
 _FEW_INSIDE = 0.5  # of the points: fewer with a counterpart are said
@@ -83,7 +84,7 @@ def compare_points(scan: Path, unit: str, results: Results, at: float | None = N
             "as_given": _columns(before),
             "aligned": _columns(after),
             "alignment": _motion(alignment, size, blocks)
-            | {"explained": asdict(explained(before, after, blocks))},
+            | {"explained": asdict(explained(before, after, blocks, size))},
             "remarks": _remarks(alignment, size, len(points), after),
         },
         nodes=_nodes(sheet, results.reference, before, after),
@@ -132,12 +133,13 @@ def _motion(alignment: Alignment, size: float, blocks: Any) -> dict[str, Any]:
 def _remarks(alignment: Alignment, size: float, number: int, after: Measured) -> list[str]:
     """What a reader has to know of the figures."""
     known, pose = names_known(alignment.basis), alignment.pose
-    found = [
-        f"The surface does not determine {_SAID[name]}: it looks the same after it, so no figure "
-        "is given."
-        for name in AXES
-        if not known[name]
-    ]
+    found = []
+    unknown = [_SAID[name] for name in AXES if not known[name]]
+    if unknown:
+        found.append(
+            f"The surface does not determine {', '.join(unknown)}: it looks the same after it, so "
+            "no figure is given."
+        )
     if alignment.as_good:
         others = ", ".join(f"{np.degrees(one):.1f}" for one in alignment.as_good)
         found.append(

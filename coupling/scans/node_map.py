@@ -21,8 +21,10 @@ def node_means(sheet: Sheet, measured: Measured) -> dict[str, Array]:
     triangle, shares = measured.matches.triangle, measured.matches.shares
     nodes, heights = sheet.triangles[triangle], measured.heights.difference
     found = {}
-    for name, values in (("vertical", heights), ("normal", measured.matches.distance)):
-        used = measured.inside & np.isfinite(values)
+    for name, values, used in (
+        ("vertical", heights, measured.upright),
+        ("normal", measured.matches.distance, measured.inside),
+    ):
         weight, total = (
             np.bincount(nodes[used].ravel(), what.ravel(), minlength=len(sheet.nodes))
             for what in (shares[used], shares[used] * values[used, None])

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from coupling.ports import Array
 from coupling.scans.sheet import Matches, Sheet
 
-AXES = ("shift_x", "shift_y", "shift_z", "turn_x", "turn_y", "turn_z")
+AXES = ("shift_x", "shift_y", "shift_z", "tilt_x", "tilt_y", "azimuth")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class Pose:
     @property
     def azimuth(self) -> float:
         """Rotation about the tank's axis [rad] in (-pi, pi], before the tilt."""
-        x, y, z, w = Rotation.from_matrix(self.rotation).as_quat()
+        _, _, z, w = Rotation.from_matrix(self.rotation).as_quat()
         return float((2.0 * np.arctan2(z, w) + np.pi) % (2.0 * np.pi) - np.pi)
 
     @property

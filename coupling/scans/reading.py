@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import meshio
 import numpy as np
 
 from coupling.ports import Array
+from coupling.scans.errors import ScanError
 
 UNITS = {"mm": 1e-3, "m": 1.0, "in": 0.0254}
 LEAST = 100  # points: as many as blocks of the sampling error need
 _LARGEST, _SMALLEST = 3.0, 0.05  # of a scan's size over the diaphragm's
-
-
-class ScanError(Exception):
-    """A scan that cannot be compared; the message says where, what and the mend."""
 
 
 def read_scan(path: Path, unit: str) -> Array:
@@ -37,7 +35,8 @@ def read_scan(path: Path, unit: str) -> Array:
     if reader is None:
         raise ScanError(f"{path}: must end in {', '.join(_READERS)}. Convert the scan.")
     try:
-        points = np.asarray(reader(path), dtype=float)
+        with warnings.catch_warnings(action="ignore"):  # a text that is no STL overflows its count
+            points = np.asarray(reader(path), dtype=float)
     except FileNotFoundError as error:
         raise ScanError(f"{path}: no such file. Give the scan's file.") from error
     except _UNREADABLE as error:
@@ -45,10 +44,10 @@ def read_scan(path: Path, unit: str) -> Array:
         raise ScanError(
             f"{path}: cannot be read as {path.suffix[1:].upper()}: {said}. Export the scan again."
         ) from error
-    points = points.reshape(-1, 3) if points.size else np.zeros((0, 3))
+    points = points.reshape(-1, 3)
     if not np.isfinite(points).all():
         bad = int((~np.isfinite(points)).any(axis=1).sum())
-        raise ScanError(f"{path}: {bad} points are not finite. Remove them from the scan.")
+        raise ScanError(f"{path}: points that are not finite: {bad}. Remove them from the scan.")
     points = np.unique(points, axis=0)  # an STL has every point once for each of its triangles
     if len(points) < LEAST:
         raise ScanError(
@@ -71,8 +70,8 @@ def check_size(points: Array, position: Array, path: Path, unit: str) -> None:
     better = min(UNITS, key=lambda name: abs(np.log(ratio * UNITS[name] / UNITS[unit])))
     mend = f"Is --unit {better} meant?" if better != unit else "Look at the scan's unit."
     raise ScanError(
-        f"{path}: in {unit} it is {size:.3g} m across, and the run's diaphragm {wanted:.3g} m. "
-        f"{mend}"
+        f"{path}: taken as {unit} it is {size:.3g} m across, and the run's diaphragm "
+        f"{wanted:.3g} m. {mend}"
     )
 
 

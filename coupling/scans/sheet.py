@@ -15,6 +15,8 @@ from coupling.ports import AnyArray, Array, Ints
 # place comes out 3.9 times as large, and towards a wall without limit.
 STEEPEST = 75.0
 _ON_EDGE = 1e-9  # share of a triangle's third corner, below which a point is on the other's edge
+ROUNDING = 1e-9  # of the sheet's size: distances below are none
+_SAME_LAYER = 1e-6  # of the sheet's size: heights of one place, on a side that triangles share
 _BLOCK = 100_000  # points at once
 
 
@@ -70,6 +72,7 @@ class Sheet:
 
     def __init__(self, nodes: Array, triangles: Ints) -> None:
         self.nodes, self.triangles = nodes, triangles.astype(np.int64)
+        self.size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
         corner = nodes[self.triangles]
         self._area_normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         self.normal = _unit(self._area_normal)
@@ -108,7 +111,7 @@ class Sheet:
         outward = np.einsum("pk,pkd->pd", shares, corners)
         offset = points - foot
         sign = np.where(np.einsum("pd,pd->p", offset, outward) < 0.0, -1.0, 1.0)
-        near = distance <= 1e-9 * np.linalg.norm(np.ptp(self.nodes, axis=0))
+        near = distance <= ROUNDING * self.size
         way = offset * (sign / np.where(near, 1.0, distance))[:, None]
         return Matches(
             distance=sign * distance,
@@ -118,22 +121,28 @@ class Sheet:
             beyond=(self._border[triangle] & (shares < _ON_EDGE)).any(axis=1),
         )
 
+    def is_steep(self, triangle: Ints) -> AnyArray:
+        """Whether triangles (p,) are too steep for a vertical difference."""
+        found: AnyArray = np.abs(self.normal[triangle, 2]) < np.cos(np.radians(STEEPEST))
+        return found
+
     def heights(self, points: Array) -> Heights:
         """Return how far ``points`` (p, 3) [m] lie above the sheet, along the tank's axis."""
         box = self.nodes[self.triangles][:, :, :2]
-        difference, triangle, layers = _heights(
+        difference, triangle, apart = _heights(
             points, self.nodes, self.triangles, box.min(axis=1), box.max(axis=1)
         )
+        none = ~np.isfinite(difference)
         normal = self.normal[triangle]
-        steep = (np.abs(normal[:, 2]) < np.cos(np.radians(STEEPEST))) & (layers > 0)
-        left_out = steep | (layers == 0)
+        steep = self.is_steep(triangle) & ~none
+        left_out = steep | none
         upright = np.where(left_out, 1.0, normal[:, 2])
         return Heights(
             difference=np.where(left_out, np.nan, difference),
             slope=np.where(left_out[:, None], 0.0, normal / upright[:, None]),
-            none=layers == 0,
+            none=none,
             steep=steep,
-            several=layers > 1,
+            several=apart > _SAME_LAYER * self.size,
         )
 
 
@@ -145,16 +154,18 @@ def _unit(vectors: Array) -> Array:
 @compiled
 def _heights(
     points: Array, nodes: Array, triangles: Ints, low: Array, high: Array
-) -> tuple[Array, Ints, Ints]:
-    """Height (p,) of points above the layer nearest in height, its triangle, number of layers.
+) -> tuple[Array, Ints, Array]:
+    """Height (p,) of points above the layer nearest in height, its triangle, range of all heights.
 
-    ``low``, ``high`` (m, 2): least and largest x and y of the triangles.
+    ``low``, ``high`` (m, 2): least and largest x and y of the triangles. Without a layer the height
+    is infinite.
     """
     number = len(points)
-    least, chosen = np.full(number, np.inf), np.zeros(number, dtype=np.int64)
-    layers = np.zeros(number, dtype=np.int64)
+    nearest, chosen = np.full(number, np.inf), np.zeros(number, dtype=np.int64)
+    apart = np.zeros(number)
     for i in range(number):
         x, y, z = points[i]
+        least, most = np.inf, -np.inf
         for t in range(len(triangles)):
             if x < low[t, 0] or x > high[t, 0] or y < low[t, 1] or y > high[t, 1]:
                 continue
@@ -166,8 +177,10 @@ def _heights(
             v = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) / whole
             if u < 0.0 or v < 0.0 or u + v > 1.0:
                 continue
-            layers[i] += 1
             height = z - a[2] - u * (b[2] - a[2]) - v * (c[2] - a[2])
-            if abs(height) < abs(least[i]):
-                least[i], chosen[i] = height, t
-    return least, chosen, layers
+            least, most = min(least, height), max(most, height)
+            if abs(height) < abs(nearest[i]):
+                nearest[i], chosen[i] = height, t
+        if most > least:
+            apart[i] = most - least
+    return nearest, chosen, apart

@@ -6,6 +6,7 @@ least and largest (thesis, Tables 6 and 7), and its root mean square. Every poin
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from coupling.ports import AnyArray, Array, Ints
 from coupling.scans.pose import rates
 from coupling.scans.sampling_error import largest_error, least_error, mean_error
-from coupling.scans.sheet import Heights, Matches, Sheet
+from coupling.scans.sheet import ROUNDING, Heights, Matches, Sheet
 
 # how each statistic is called in tables
 NAMES = {
@@ -42,6 +43,17 @@ class Figure:
     standard_error: float
 
 
+def written(figure: Mapping[str, float], scale: float) -> tuple[str, str]:
+    """Return a figure and its error as text, to the error's second digit, 4 decimals at most.
+
+    ``figure``: a ``Figure`` as a mapping; ``scale``: what both are multiplied by.
+    """
+    value, error = scale * figure["value"], scale * figure["standard_error"]
+    decimals = 1 - int(np.floor(np.log10(error))) if error > 0.0 else 4
+    decimals = min(max(decimals, 0), 4)
+    return f"{value:.{decimals}f}", f"{error:.{decimals}f}"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measured:
     """A scan held against the sheet in one pose.
@@ -52,6 +64,8 @@ class Measured:
         Of each point (p,).
     inside
         Whether (p,) a point has a counterpart, and counts.
+    upright
+        Whether (p,) its vertical difference counts, too.
     figures
         By the keys of ``NAMES``; without the vertical ones where no point has such a difference.
     counts
@@ -61,6 +75,7 @@ class Measured:
     matches: Matches
     heights: Heights
     inside: AnyArray
+    upright: AnyArray
     figures: dict[str, Figure]
     counts: dict[str, int]
 
@@ -86,7 +101,9 @@ def measure(
     """
     matches, heights = sheet.match(points), sheet.heights(points)
     inside = ~matches.beyond
-    upright = inside & np.isfinite(heights.difference)
+    # a wall's points are left out by the wall itself, or noise would leave those on one side of it
+    steep = heights.steep | sheet.is_steep(matches.triangle)
+    upright = inside & np.isfinite(heights.difference) & ~steep
     found = _Means(blocks, points, size, influence)
     figures: dict[str, Figure] = {}
     if upright.sum() > 1:
@@ -108,14 +125,15 @@ def measure(
         matches=matches,
         heights=heights,
         inside=inside,
+        upright=upright,
         figures=figures,
         counts={
             "points": int(inside.sum()),
             "beyond_rim": int(matches.beyond.sum()),
             "vertical_points": int(upright.sum()),
             "several_layers": int((upright & heights.several).sum()),
-            "too_steep": int((inside & heights.steep).sum()),
-            "no_layer": int((inside & heights.none).sum()),
+            "too_steep": int((inside & steep).sum()),
+            "no_layer": int((inside & heights.none & ~steep).sum()),
         },
     )
 
@@ -150,11 +168,12 @@ class _Means:
         return each
 
 
-def explained(before: Measured, after: Measured, blocks: Ints) -> Figure:
+def explained(before: Measured, after: Measured, blocks: Ints, size: float) -> Figure:
     """Return the share of the mean square distance that alignment takes away.
 
     One less the ratio of the squares of both ``distance_rms_m``. The motion is where the second is
-    least, so that its own error does not count. ``blocks`` (p,).
+    least, so that its own error does not count. ``blocks`` (p,); ``size``: the rim's radius [m].
+    Of a scan that lies on the run to rounding nothing is left to explain: 0.
     """
     squares, each = [], []
     for one in (before, after):
@@ -162,7 +181,7 @@ def explained(before: Measured, after: Measured, blocks: Ints) -> Figure:
         mean = float(square[one.inside].mean())
         squares.append(mean)
         each.append(np.where(one.inside, square - mean, 0.0) * len(square) / one.inside.sum())
-    if squares[0] == 0.0:
+    if squares[0] <= (ROUNDING * size) ** 2:
         return Figure(value=0.0, standard_error=0.0)
     ratio = squares[1] / squares[0]
     error = mean_error((each[1] - ratio * each[0]) / squares[0], blocks)

@@ -27,6 +27,9 @@ _RUN_FILES = frozenset(
         "foam",
         "auto.json",
         "check",
+        "compare.json",
+        "compare.csv",
+        "compare.html",
     }
 )
 _RUN_MARKERS = frozenset({"log.txt", "auto.json", "results.h5", "summary.json", "checkpoint.h5"})
