@@ -17,7 +17,7 @@ from coupling.finite_volume.geometry import (
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.mesh_shape import MeshShape
 from coupling.finite_volume.swept import level_shift
-from coupling.ports import Array, Cause, Ints, RunFailed, Shell, StepFailed
+from coupling.ports import Array, Cause, Ints, RunFailed, Shell, StepFailed, Turn
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
 BETTER = 5.0  # degrees that a new mesh must gain
@@ -29,6 +29,8 @@ _log = logging.getLogger(__name__)
 
 class FollowingMesh:
     """Points of ``mesh`` in a tank's shell: the shapes ``committed`` and ``now``.
+
+    In the tank's axes; ``begun`` is the committed shape in those at the end of the step.
 
     The boundary's points are imposed, those inside relax from where they were. A mesh that folds
     or gets skewed is made anew from the reference. That needs no interpolation of the fields: the
@@ -44,7 +46,7 @@ class FollowingMesh:
         reach = np.linalg.norm(mesh.points[mesh.patch_points][:, :2], axis=1)
         self._depth = np.minimum(DEPTH, EDGE * (1.0 - reach))
         self._fan, self._size = fan_volume(self._reference[self._boundary]), 1.0
-        self.committed = self.now = self._shape(self._reference)
+        self.committed = self.now = self.begun = self._shape(self._reference)
         self.shell = self._reference[mesh.shell_points]  # (s, 3) [m] of the step
         self.volume = float(self.committed.geometry.volume.sum())  # [m^3] at the start
         self._base: Array | None = None  # the step's mesh; later iterations follow it linearly
@@ -91,12 +93,13 @@ class FollowingMesh:
         self._fan = fan_volume(outline[self._boundary])
         self._size = self._fan / fan_volume(self._reference[self._boundary])
         points, geometry = self._made_anew(outline, "t = 0 s")
-        self.committed = self.now = MeshShape(points=points, geometry=geometry, patch=patch)
+        placed = MeshShape(points=points, geometry=geometry, patch=patch)
+        self.committed = self.now = self.begun = placed
         self.volume = float(geometry.volume.sum())
 
     def return_to(self, points: Array) -> None:
         """Stand at ``points`` (P, 3) [m], where the mesh has stood since it was placed."""
-        self.committed = self.now = self._shape(points)
+        self.committed = self.now = self.begun = self._shape(points)
         self.shell = points[self.mesh.shell_points]
 
     def _shape(self, points: Array) -> MeshShape:
@@ -119,9 +122,14 @@ class FollowingMesh:
         """The cells, as committed."""
         return self.committed.geometry
 
-    def begin_step(self, shell: Array | None) -> None:
-        """Start a step that ends with the shell's points at ``shell`` (s, 3) [m], if they move."""
-        self._base = None
+    def begin_step(self, shell: Array | None, turn: Turn | None = None) -> None:
+        """Start a step that ends with the shell's points at ``shell`` (s, 3) [m], if they move.
+
+        ``turn``: how the tank turns in it, None where it does not.
+        """
+        self._base, self.begun = None, self.committed
+        if turn is not None:
+            self.begun = self._shape(self.points @ turn.last.T)
         self.shell = self.shell if shell is None else shell
 
     def close_volume(self, patch: Array, shell: Array | None = None) -> Array:
@@ -169,7 +177,7 @@ class FollowingMesh:
             points, geometry = self._relaxed(outline, moment)
             self._base = points
         self.now = MeshShape(points=points, geometry=geometry, patch=patch)
-        return swept_volumes(self.points[self._boundary], points[self._boundary])
+        return swept_volumes(self.begun.points[self._boundary], points[self._boundary])
 
     def _inside(self, patch: Array) -> Array:
         """``patch`` (p, 3) [m] but for points beyond the shell, of the same volume."""

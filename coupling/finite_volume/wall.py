@@ -8,7 +8,7 @@ import numpy as np
 
 from coupling.finite_volume.geometry import CellGeometry
 from coupling.finite_volume.mesh import LiquidMesh
-from coupling.ports import Array
+from coupling.ports import Array, Turn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,12 +47,13 @@ def wall_flow(
     diaphragm: Array,
     *,
     viscosity: float,
+    turn: Turn | None = None,
 ) -> WallFlow:
     """Return the flow at the walls.
 
     The stress mu (du + n n.du)/d takes the speed to fall evenly over the half cell d, as the
     solver does: where a boundary layer is thinner than d it is too small, by about the ratio of
-    the two. The shell is at rest.
+    the two.
 
     Parameters
     ----------
@@ -64,6 +65,8 @@ def wall_flow(
         Velocity of the diaphragm at the centres of its faces (F, 3) [m/s].
     viscosity
         Dynamic viscosity [Pa s].
+    turn
+        How the shell turns, None where it is at rest.
 
     Returns
     -------
@@ -74,7 +77,7 @@ def wall_flow(
     area, cell = geometry.face_area[walls], mesh.owner[walls]
     size = np.linalg.norm(area, axis=1)
     normal, distance = _normals(mesh, geometry)
-    wall = np.zeros_like(area)
+    wall = np.zeros_like(area) if turn is None else turn.velocity(geometry.face_centre[walls])
     count = mesh.diaphragm_faces
     wall[:count] = diaphragm
     relative = velocity[cell] - wall

@@ -45,10 +45,11 @@ class Frame:
             return None
         now = self.attitude(end)
         return Turn(
-            attitude=now,
+            attitude=self.attitude(0.0).T @ now,
             last=now.T @ self.attitude(start),
             before=now.T @ self.attitude(start - previous),
-            rate=self.rate(end),
+            rate=self.turning.rate(end),
+            acceleration=self.turning.acceleration(end),
         )
 
     def body_force(self, start: float, end: float, previous: float) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from coupling.ports.arrays import AnyArray, Array, Ints
+from coupling.ports.turn import Turn
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -112,10 +113,13 @@ class Flow(Protocol):
     def points(self) -> Array:
         """The interface (p, 3) [m], as committed."""
 
-    def begin_step(self, time: float, dt: float, *, shell: Array | None = None) -> None:
+    def begin_step(
+        self, time: float, dt: float, *, shell: Array | None = None, turn: Turn | None = None
+    ) -> None:
         """Start a step of ``dt`` from the committed fields at ``time`` [s].
 
-        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay. ``turn``: how
+        the tank turns; all points are in its axes.
         """
 
     def close_volume(self, points: Array, shell: Array | None = None) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,6 +11,7 @@ from coupling.interface.mapping import InterfaceMap
 from coupling.ports import Array, Flow, FlowSample, HydrostaticLoad, InterfaceMotion, Structure
 from coupling.step.backtracking import Backtracking
 from coupling.step.interface_step import Answer, InterfaceStep, Iterate, StepRequest, known
+from coupling.step.mapped_motion import mapped_motion
 from coupling.step.mismatch import VelocityMismatch
 from coupling.step.stopwatch import Stopwatch
 
@@ -71,6 +71,8 @@ class InterfaceProblem:
         self._request = StepRequest(time=time, dt=dt, load=load, before=self.mapping.save())
         state = self.structure.state
         expected = state.position + dt * state.velocity
+        if load.turn is not None:
+            expected = expected @ load.turn.last.T
         return self.backtracking.nearest(self._open, expected, state.position)
 
     def remap(self) -> Array:
@@ -95,7 +97,8 @@ class InterfaceProblem:
             start = self.flow.points
             if shell is not None:
                 start = self.flow.close_volume(step_map.to_flow(state.position) + shift, shell)
-            self.flow.begin_step(request.time, request.dt, shell=shell)
+            turn = request.load.turn
+            self.flow.begin_step(request.time, request.dt, shell=shell, turn=turn)
         inertia, rows = None, None
         if self.takes_inertia:
             with self.watch.timed("fluid"):
@@ -108,11 +111,7 @@ class InterfaceProblem:
             map=step_map,
             start=start,
             shift=shift,
-            motion=InterfaceMotion(
-                still=step_map.to_flow(self.structure.still_position()) + shift,
-                inertial=step_map.to_flow(self.structure.inertial_prediction()) + shift,
-                b=math.sqrt(self.structure.acceleration_scale),
-            ),
+            motion=mapped_motion(self.structure, step_map, nodes, shift, turn),
             inertia=inertia,
         )
         self._answer = Answer(nodes=nodes, points=ahead, closure=np.zeros_like(ahead))

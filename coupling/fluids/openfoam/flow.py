@@ -1,8 +1,8 @@
 """Incompressible Navier-Stokes in the moving tank, by OpenFOAM's pimpleFoam.
 
-The flow is solved in the tank's frame without body force: the body force is a gradient, so that
-the pressure found is p*, what hydrostatics leaves out. Every coupling iteration solves the step
-anew from the committed fields; its points are all imposed.
+The flow is solved in the tank's frame, which does not turn, without body force: the body force is a
+gradient, so that the pressure found is p*, what hydrostatics leaves out. Every coupling iteration
+solves the step anew from the committed fields; its points are all imposed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from coupling.foam.keepalive import case_of
 from coupling.foam.kept_times import KeptTimes
 from coupling.foam.packed_times import packed, unpack
 from coupling.foam.process import OpenFoam
-from coupling.ports import AnyArray, Array, FlowSample, InterfaceMotion, Ints, Shell
+from coupling.ports import AnyArray, Array, FlowSample, InterfaceMotion, Ints, Shell, Turn
 
 
 class OpenFoamFlow:
@@ -122,17 +122,21 @@ class OpenFoamFlow:
         self._swept = FluxRate(len(self.mesh.faces) - self.mesh.inner_faces)
         self._power = 0.0
 
-    def begin_step(self, time: float, dt: float, *, shell: Array | None = None) -> None:
+    def begin_step(
+        self, time: float, dt: float, *, shell: Array | None = None, turn: Turn | None = None
+    ) -> None:
         """Start a step of ``dt`` [s] from the committed fields at ``time`` [s].
 
-        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay.
+        ``shell`` (s, 3) [m]: where the shell's points end it, None where they stay. Points are in
+        the tank's axes; where that has a ``turn``, the case's are in axes that do not.
         """
-        self._following.begin_step(shell)
+        self._following.begin_step(shell, turn)
         # As the case names its folders: the next step starts where this ends, digit for digit.
         self.time = round(time, 11)
         self._step = FlowStep(
-            start=self.time, end=round(time + dt, 11), dt=dt, previous_dt=self._previous_dt
-        )
+            start=self.time, end=round(time + dt, 11), dt=dt, previous_dt=self._previous_dt,
+            turn=turn,
+        )  # fmt: skip
 
     @property
     def step(self) -> FlowStep:
@@ -163,9 +167,11 @@ class OpenFoamFlow:
         step.refuse_open(swept, self.volume, self.settings)
         shape = self._following.now
         walls = self._wall_motion(swept, motion)
-        pressure, velocity = self.case.advance(step.start, step.end, shape.points, walls.slide)
+        pressure, velocity = self.case.advance(
+            step.start, step.end, step.in_case(shape.points), step.in_case(walls.slide)
+        )
         self._solution = FlowSolution(
-            velocity=velocity,
+            velocity=step.in_tank(velocity),
             wall_pressure=self.density
             * wall_pressure(self.mesh, shape.geometry, pressure, walls.rate),
             walls=walls,
@@ -177,7 +183,7 @@ class OpenFoamFlow:
         step, following = self.step, self._following
         rate = self._swept(swept, step.dt, step.previous_dt)
         return wall_motion(
-            self.mesh, following.committed, following.now, motion,
+            self.mesh, following.begun, following.now, motion, turn=step.turn,
             dt=step.dt, swept=self._swept.flux, rate=rate, least=NO_SLIDE * self.volume / step.dt,
         )  # fmt: skip
 
@@ -199,7 +205,7 @@ class OpenFoamFlow:
         self.time, self._previous_dt = step.end, step.dt
         walls = wall_flow(
             self.mesh, self._following.now.geometry, solution.velocity, solution.walls.velocity,
-            viscosity=self.density * self.viscosity,
+            viscosity=self.density * self.viscosity, turn=step.turn,
         )  # fmt: skip
         work = 0.5 * step.dt * (self._power + solution.power)
         self._power = solution.power

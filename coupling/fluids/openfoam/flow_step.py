@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from coupling.fluids.openfoam.wall_motion import WallMotion
-from coupling.ports import Array, Cause, StepFailed
+from coupling.ports import Array, Cause, StepFailed, Turn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,13 +26,23 @@ class FlowStep:
     """A step of the flow.
 
     ``start`` and ``end`` [s] are as the case names its folders, ``dt`` [s] is between them;
-    ``previous_dt`` [s] is the length of the step before, 0 in a run's first.
+    ``previous_dt`` [s] is the length of the step before, 0 in a run's first. ``turn``: how the
+    tank turns, None where it does not.
     """
 
     start: float
     end: float
     dt: float
     previous_dt: float
+    turn: Turn | None = None
+
+    def in_case(self, vectors: Array) -> Array:
+        """Vectors (n, 3) at the step's end, in the axes of the case, which do not turn."""
+        return vectors if self.turn is None else np.asarray(vectors @ self.turn.attitude.T)
+
+    def in_tank(self, vectors: Array) -> Array:
+        """The reverse of ``in_case``."""
+        return vectors if self.turn is None else np.asarray(vectors @ self.turn.attitude)
 
     @property
     def moment(self) -> str:

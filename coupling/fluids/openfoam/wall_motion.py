@@ -9,7 +9,7 @@ import numpy as np
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.mesh_shape import MeshShape
 from coupling.finite_volume.swept import level_shift, swept_gradient
-from coupling.ports import Array, InterfaceMotion
+from coupling.ports import Array, InterfaceMotion, Turn
 
 # Share of the liquid's volume in a step. A slide of less is rounding, and none: a flow at rest has
 # nothing that would take up the rounding of a sum of fluxes.
@@ -37,6 +37,7 @@ def wall_motion(
     now: MeshShape,
     motion: InterfaceMotion | None,
     *,
+    turn: Turn | None = None,
     dt: float,
     swept: Array,
     rate: Array,
@@ -52,6 +53,8 @@ def wall_motion(
         Where it stands at the step's start and end.
     motion
         How the diaphragm moves at the points of the patch, None where they move as it does.
+    turn
+        How the shell turns, None where it does not.
     swept, rate
         Flux of the boundary faces (B,) [m^3/s] that the points' motion makes, as the solver's time
         scheme has it, and its rate of change (B,) [m^3/s^2].
@@ -65,7 +68,9 @@ def wall_motion(
     """
     of_points = centre_velocity(mesh, before, now, dt)
     if motion is not None:
-        return sliding_walls(mesh, now, motion, of_points=of_points, swept=swept, least=least)
+        return sliding_walls(
+            mesh, now, motion, of_points=of_points, swept=swept, least=least, turn=turn
+        )
     count = mesh.diaphragm_faces
     return WallMotion(
         flux=swept[:count], rate=rate[:count], velocity=of_points[:count],
@@ -88,6 +93,7 @@ def sliding_walls(
     of_points: Array,
     swept: Array,
     least: float,
+    turn: Turn | None = None,
 ) -> WallMotion:
     """Return how the walls move whose points slide along them.
 
@@ -110,6 +116,8 @@ def sliding_walls(
         Flux of the boundary faces (B,) [m^3/s] that it makes, as the solver's time scheme has it.
     least
         Volume swept a second [m^3/s] below which a slide is none.
+    turn
+        How the shell turns, None where it does not.
 
     Returns
     -------
@@ -118,7 +126,7 @@ def sliding_walls(
     """
     count, corners = mesh.diaphragm_faces, mesh.faces[mesh.inner_faces :]
     gradient = swept_gradient(now.points[corners])
-    velocity = np.zeros_like(now.points)
+    velocity = np.zeros_like(now.points) if turn is None else turn.velocity(now.points)
     velocity[mesh.patch_points] = motion.velocity(now.patch)
     height, area = level_shift(now.patch, mesh.patch_faces, mesh.rim)
     for _ in range(2):  # the second takes off what rounding has left

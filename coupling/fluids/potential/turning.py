@@ -28,7 +28,7 @@ def in_tank(velocity: Array, points: Array, turn: Turn | None) -> Array:
     Array
         Velocity (n, 3) [m/s].
     """
-    return velocity if turn is None else velocity - np.cross(turn.rate, points)
+    return velocity if turn is None else velocity - turn.velocity(points)
 
 
 class TurnedHarmonics:
