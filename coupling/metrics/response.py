@@ -18,14 +18,14 @@ from coupling.metrics.harmonic import (
 from coupling.metrics.transfer import tank_phasor, transfer
 from coupling.ports import Array
 from coupling.scene.scene import Scene
-from coupling.store.attitude import in_ground, in_tank
+from coupling.store.attitude import body_force, in_ground, in_tank
 from coupling.store.step_series import StepSeries
 
 STEADY = 0.05  # drift of a phasor above which it is one of a transient
 
 
 def harmonics(steps: StepSeries, scene: Scene) -> dict[str, Harmonic]:
-    """First harmonics of ``cg``, ``force``, ``moment`` and the tank's ``displacement``.
+    """First harmonics of ``cg``, ``force``, ``moment``, and the tank's motion, by name.
 
     In the tank's axes; ``cg_in_ground`` and the displacement in axes that do not turn. Empty where
     there is no period, or no whole one in the run.
@@ -43,6 +43,7 @@ def harmonics(steps: StepSeries, scene: Scene) -> dict[str, Harmonic]:
         "force": steps.force,
         "moment": steps.moment,
         "displacement": steps.tank_displacement,
+        "rotation": steps.tank_rotation,
     }
     return {
         name: first_harmonic(steps.time[chosen], signal[chosen], frequency, periods=periods)
@@ -54,9 +55,10 @@ def shaking_frequency(steps: StepSeries, scene: Scene) -> float | None:
     """The frequency of shaking [Hz] that a response can be read at; None without any.
 
     None too where the tank is shaken by less than ``time.settle_tolerance`` of gravity: what the
-    diaphragm's settling has left moves the liquid as much.
+    diaphragm's settling has left moves the liquid as much. A tilt shakes by what of gravity turns.
     """
-    shaken = np.linalg.norm(steps.tank_acceleration, axis=1).max(initial=0.0)
+    gravity = np.array(scene.gravity)
+    shaken = np.linalg.norm(gravity - body_force(gravity, steps), axis=1).max(initial=0.0)
     least = scene.time.settle_tolerance * float(np.linalg.norm(scene.gravity))
     return scene.frequency if shaken > least else None
 
@@ -97,6 +99,8 @@ def moment_summary(steps: StepSeries, fits: dict[str, Harmonic]) -> dict[str, An
 def _moving(signal: Array, fits: dict[str, Harmonic], name: str, unit: str) -> dict[str, Any]:
     if fits:
         tank = fits["displacement"].coefficient
+        if not tank.any():  # its middle stays
+            tank = fits["rotation"].coefficient
         reference = complex(tank[np.argmax(np.abs(tank))])
         return {
             f"amplitude_{unit}": fits[name].amplitude,

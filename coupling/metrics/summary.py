@@ -47,7 +47,8 @@ def summarise(
     All of it is of every step, whatever ``time.output_every``, but for ``flow_fields_bytes``.
 
     Amplitudes and phases are those of the first harmonic over the last whole periods, the phase
-    against the tank's displacement. A run shorter than a period, or a motion without one, gives
+    against the tank's displacement, or its rotation where its middle stays. CG, force and moment
+    are in the tank's axes. A run shorter than a period, or a motion without one, gives
     half the peak-to-peak range and no phase (null). A model without a flow does not know the
     liquid's speed: ``kinetic_ratio`` and ``unsteady_ratio`` are null and ``dynamic_fraction`` 0.
     ``drift``: by how much a phasor changed in the last period (``phasor_drift``); ``transient``:
