@@ -72,6 +72,10 @@ class MotionKind:
         del section
         return None
 
+    def turns(self, section: Motion) -> bool:
+        """Whether the tank turns; no more than that is asked of a section with problems."""
+        return self.attitude(section) is not None
+
     def record(self, section: Motion) -> MotionTable | None:
         """The accelerations, measured or made, that it follows, None where it follows none."""
         del section

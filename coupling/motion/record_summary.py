@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from coupling.motion import MOTIONS
+from coupling.motion.shaking import attitude_of
 from coupling.ports import Array
 from coupling.scene.motion_table import NEAR_GRAVITY, MotionTable
 from coupling.scene.scene import Scene
@@ -71,7 +72,22 @@ def _line(scene: Scene, table: MotionTable, above: float) -> str:
         f"mean {_vector(table.mean)}, peak {_vector(peak)} m/s^2, rms {_vector(table.rms)} m/s^2, "
         f"nine tenths of its power between {low:.3g} and {high:.3g} Hz; "
         f"{100.0 * above:.3g} % of its power is above the "
-        f"{_carried(scene):.4g} Hz that time.step = {scene.time.step:g} s carries"
+        f"{_carried(scene):.4g} Hz that time.step = {scene.time.step:g} s carries{_turns(scene)}"
+    )
+
+
+def _turns(scene: Scene) -> str:
+    """By how much a record turns the tank, in words; nothing where it does not."""
+    turning = attitude_of(scene)
+    if turning is None:
+        return ""
+    times = MOTIONS[scene.motion.kind].instants(scene.motion)
+    matrices = np.array([turning.matrix(time) for time in times[times <= scene.time.end]])
+    size = np.degrees(np.arccos(np.clip(0.5 * (np.trace(matrices.T) - 1.0), -1.0, 1.0)))
+    upright = np.degrees(np.arccos(np.clip(matrices[:, 2, 2], -1.0, 1.0)))
+    return (
+        f"; it turns the tank by up to {size.max():.3g} degrees, and tilts it by up to "
+        f"{upright.max():.3g}, the accelerations being turned with it"
     )
 
 

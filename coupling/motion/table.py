@@ -94,6 +94,13 @@ class Table(MotionKind):
         """Of the record's angular rates or angles, None where it has neither."""
         return _attitude_of(section.record)
 
+    def turns(self, section: Motion) -> bool:
+        """Whether the record has angular rates or angles; a record that cannot be read has none."""
+        try:
+            return section.file is not None and section.record.turns
+        except TableError:
+            return False
+
     def _unturned(self, section: Motion) -> MotionTable:
         """The section's record in axes that do not turn."""
         if not section.record.turns:
@@ -149,8 +156,14 @@ class Table(MotionKind):
         return np.asarray(time[:: 1 + len(time) // 2000])
 
     def characteristic_frequency(self, section: Motion) -> float:
-        """That of the record."""
-        return self._unturned(section).characteristic_frequency
+        """That of the record; with rotation that of the body force, of which a tilt is a part."""
+        table, turning = self._unturned(section), self.attitude(section)
+        if turning is None:
+            return table.characteristic_frequency
+        down = np.array([0.0, 0.0, -GRAVITY])
+        pairs = zip(table.time, table.acceleration, strict=True)
+        felt = np.array([(down - a) @ turning.matrix(t) for t, a in pairs])
+        return replace(table, acceleration=felt).characteristic_frequency
 
     def peak_accelerations(self, section: Motion) -> Array:
         """All of the table's lines, within the run or not, where they were measured."""

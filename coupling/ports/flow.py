@@ -25,7 +25,8 @@ class LiquidSample:
     ``kinetic_pressure`` (F,) [Pa]: -rho |u|^2/2 on the diaphragm; p* less this is the unsteady
     part, -rho dphi/dt, and whatever vorticity does. ``viscous_traction`` (F,) [Pa]: size of the
     viscous stress on the diaphragm. ``wall_slip`` [m^4/s^2]: int of the squared speed along all
-    walls, relative to them. ``pressure_work`` [J]: of p* there, by the trapezoidal rule.
+    walls, relative to them. ``pressure_work`` [J]: of p* on the diaphragm, and on
+    walls that turn, by the trapezoidal rule.
     """
 
     face_pressure: Array

@@ -132,6 +132,11 @@ def _check_grid(scene: Scene) -> list[str]:
             f'cloth.grid: "thesis" needs model.fluid = {names}, got "{scene.model.fluid}". '
             'Take cloth.grid = "rings" for a liquid that keeps its volume.'
         )
+    if motion_kind(scene.motion.kind).turns(scene.motion):
+        problems.append(
+            'cloth.grid: "thesis" computes no tank that turns. Take cloth.grid = "rings", or leave '
+            "the rotation out of the motion."
+        )
     if scene.tank.shape != "sphere":
         problems.append(
             f'tank.shape: must be "sphere" for cloth.grid = "thesis", got "{scene.tank.shape}". '

@@ -30,6 +30,9 @@ class MotionKind(Protocol):
     def frequency(self, section: Motion) -> float | None:
         """Of a periodic motion [Hz], None of any other."""
 
+    def turns(self, section: Motion) -> bool:
+        """Whether the tank turns."""
+
 
 def motion_kinds() -> tuple[str, ...]:
     """Names of all kinds of motion."""

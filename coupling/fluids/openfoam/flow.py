@@ -170,11 +170,9 @@ class OpenFoamFlow:
         pressure, velocity = self.case.advance(
             step.start, step.end, step.in_case(shape.points), step.in_case(walls.slide)
         )
-        self._solution = FlowSolution(
-            velocity=step.in_tank(velocity),
-            wall_pressure=self.density
-            * wall_pressure(self.mesh, shape.geometry, pressure, walls.rate),
-            walls=walls,
+        on_walls = wall_pressure(self.mesh, shape.geometry, pressure, walls.rate)
+        self._solution = FlowSolution.of(
+            step, step.in_tank(velocity), self.density * on_walls, walls, shape
         )
         return self._solution.face_pressure
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coupling.finite_volume.mesh_shape import MeshShape
 from coupling.fluids.openfoam.wall_motion import WallMotion
 from coupling.ports import Array, Cause, StepFailed, Turn
 
@@ -61,12 +62,26 @@ class FlowStep:
 class FlowSolution:
     """What a solve has found: ``velocity`` (c, 3) [m/s] of the cells, ``wall_pressure`` (B,) [Pa].
 
-    ``walls``: how they move.
+    ``walls``: how they move; ``turned``: what p* does on a shell that turns [W].
     """
 
     velocity: Array
     wall_pressure: Array
     walls: WallMotion
+    turned: float = 0.0
+
+    @classmethod
+    def of(
+        cls, step: FlowStep, velocity: Array, pressure: Array, walls: WallMotion, shape: MeshShape
+    ) -> FlowSolution:
+        """That of a ``step`` whose mesh ends at ``shape``, with ``pressure`` (B,) [Pa] on walls."""
+        turned, count = 0.0, len(pressure)
+        if step.turn is not None:
+            shell = slice(len(walls.flux), None)
+            moved = step.turn.velocity(shape.geometry.face_centre[-count:])[shell]
+            area = shape.geometry.face_area[-count:][shell]
+            turned = float(np.einsum("f,fx,fx->", pressure[shell], moved, area))
+        return cls(velocity=velocity, wall_pressure=pressure, walls=walls, turned=turned)
 
     @property
     def face_pressure(self) -> Array:
@@ -75,5 +90,5 @@ class FlowSolution:
 
     @property
     def power(self) -> float:
-        """What p* does on the diaphragm [W]."""
-        return float(self.face_pressure @ self.walls.flux)
+        """What p* does on the diaphragm, and on a shell that turns [W]."""
+        return float(self.face_pressure @ self.walls.flux) + self.turned

@@ -21,7 +21,7 @@ from coupling.fluids.potential.ritz import (
 )
 from coupling.fluids.potential.wall_layers import WallLayers, slip_form
 from coupling.interface.contact_distance import ContactDistance
-from coupling.ports import Array, Ints, LiquidSample, Shell
+from coupling.ports import Array, Ints, LiquidSample, Shell, Turn
 
 
 class PotentialLiquid:
@@ -51,7 +51,7 @@ class PotentialLiquid:
             wall=wall_integral(harmonics, points, self._shell_area), density=density,
             spun=harmonics.values(points).T @ np.cross(points, self._shell_area),
         )  # fmt: skip
-        self._shell_values = harmonics.values(points)
+        self._points, self._shell_values = points, harmonics.values(points)
         size = np.linalg.norm(self._shell_area, axis=1)
         outward = self._shell_area / size[:, None]
         self._shell_form = slip_form(harmonics, self._shell_values, outward, size)
@@ -134,6 +134,15 @@ class PotentialLiquid:
             kinetic_energy=energy,
             wall_slip=slip,
             pressure_work=work,
+        )
+
+    def wall_power(self, rate: Array, coefficient: Array, turn: Turn | None) -> float:
+        """Return what p* does on a shell that turns [W]; parameters as of ``sample``."""
+        if turn is None:
+            return 0.0
+        pressure, _ = bernoulli(self.ritz, self._shell_values, rate, coefficient)
+        return float(
+            np.einsum("n,nx,nx->", pressure, turn.velocity(self._points), self._shell_area)
         )
 
     def _free(self, points: Array) -> NDArray[np.bool_]:

@@ -30,7 +30,7 @@ from coupling.step.stopwatch import Stopwatch
 _NAMES = (
     "position", "velocity", "coefficient",
     "previous_position", "previous_velocity", "previous_coefficient", "previous_dt",
-    "force", "energy", "removed", "layer_loss",
+    "force", "energy", "removed", "layer_loss", "wall_power",
 )  # fmt: skip
 
 
@@ -82,7 +82,7 @@ class PotentialStep:
         state = structure.state
         none = np.zeros(len(liquid.ritz.harmonics.degrees))
         still = state.position, np.zeros_like(state.position), none
-        rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1), np.zeros(1)
+        rest = np.zeros(1), still[1], np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
         self._now: dict[str, Array] = dict(zip(_NAMES, (*still, *still, *rest), strict=True))
         self._next = self._now
         self._sample: LiquidSample | None = None  # of the last attempt
@@ -142,6 +142,8 @@ class PotentialStep:
             rate = (coefficient - anchor) / nodes.b + layers.rate(velocity, turn) - carried
             force = shape.force(shape.pressure(rate, expected)) + drag
             work = 0.5 * float(np.vdot(force + now["force"], end - now["position"]))  # on the sheet
+            on_walls = self.liquid.wall_power(rate, expected, turn)
+            work += 0.5 * dt * (on_walls + float(now["wall_power"][0]))
             energy = shape.kinetic_energy(velocity, turn)
             lost = dt * layers.power(coefficient, along)
             gain = energy + work + lost - float(now["energy"][0])
@@ -157,7 +159,7 @@ class PotentialStep:
                 "previous_position": was["position"], "previous_velocity": was["velocity"],
                 "previous_coefficient": was["coefficient"], "previous_dt": np.array([dt]),
                 "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
-                "layer_loss": now["layer_loss"] + lost,
+                "layer_loss": now["layer_loss"] + lost, "wall_power": np.array([on_walls]),
             }  # fmt: skip
 
     def _forget(self) -> None:
@@ -215,7 +217,7 @@ class PotentialStep:
 
     def restore(self, saved: Mapping[str, Mapping[str, AnyArray]]) -> None:
         """The reverse of ``save``."""
-        self._now = {name: saved["coupled"][name] for name in _NAMES}
+        self._now |= {name: saved["coupled"][name] for name in _NAMES if name in saved["coupled"]}
 
     def close(self) -> int | None:
         """No solver runs."""
