@@ -17,7 +17,7 @@ _ENERGIES = (
     ("Work of the ground and of the given force", "work_J"),
     ("Taken by the dampers", "damper_loss_J"),
     ("Given to liquid and diaphragm in the tank", "contents_work_J"),
-    ("Kinetic, of tank and contents together", "kinetic_energy_J"),
+    ("Kinetic, of all but the contents’ own in the tank", "kinetic_energy_J"),
     ("In the springs", "spring_energy_J"),
     ("Rest, of the time step", "rest_J"),
 )

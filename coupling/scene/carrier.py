@@ -12,7 +12,7 @@ from pydantic import Field
 from coupling.scene.choices import AUTO, fluid_models, keeps_volume
 from coupling.scene.motion_table import COLUMNS as MOTION_COLUMNS
 from coupling.scene.motion_table import MotionTable
-from coupling.scene.sections import Section, Vector
+from coupling.scene.sections import Motion, Section, Vector
 from coupling.scene.tables.columns import FORCE, Column
 from coupling.scene.tables.file import table_of
 from coupling.scene.tables.text import TableError, read_content
@@ -113,13 +113,35 @@ def carrier_problems(scene: Scene) -> list[str]:
     """One line each, as ``Carrier.problems``; and the liquids that have no law of motion for it."""
     carrier, fluid, time = scene.carrier, scene.model.fluid, scene.time
     problems = carrier.problems(time.step * time.steps)
-    if not carrier.free or (fluid != AUTO and keeps_volume(fluid)):
+    if not carrier.free:
+        return problems
+    if _turns(scene.motion):
+        problems.append(
+            'carrier.kind: "free" takes a ground that does not turn, got a motion with rotation. '
+            "Leave the rotation out: a free tank is held against turning."
+        )
+    if scene.supply.drawn:
+        problems.append(
+            'carrier.kind: "free" takes a tank that keeps its mass, got a supply. Leave one of the '
+            "two out."
+        )
+    if fluid != AUTO and keeps_volume(fluid):
         return problems
     names = " or ".join(f'"{name}"' for name in fluid_models() if keeps_volume(name))
     why = "which keeps no volume, and so no mass"
     if fluid == AUTO:
         why = "whose errors are those of a tank with a prescribed motion"
     return [*problems, f'carrier.kind: "free" needs model.fluid = {names}, got "{fluid}", {why}.']
+
+
+def _turns(motion: Motion) -> bool:
+    """Whether a motion has rotation; of a table that cannot be read something else is said."""
+    if motion.kind != "table" or motion.file is None:
+        return bool(motion.angle)
+    try:
+        return motion.record.turns
+    except TableError:
+        return False
 
 
 def read_force_table(path: Path) -> MotionTable:

@@ -39,6 +39,21 @@ def forces(tmp_path: Path) -> Path:
         ({"carrier": FREE, "model": {"fluid": "datum"}}, 'got "datum", which keeps no volume'),
         ({"carrier": FREE, "model": {"fluid": "auto"}}, 'got "auto", whose errors are those of'),
         ({"carrier": {"kind": "loose"}}, "carrier.kind"),
+        (
+            {
+                "carrier": FREE,
+                "motion": {"kind": "sine", "frequency": 1.0, "amplitude": 0.0, "angle": 2.0},
+            },
+            'carrier.kind: "free" takes a ground that does not turn',
+        ),
+        (
+            {
+                "carrier": FREE,
+                "model": {"fluid": "hydrostatic"},
+                "supply": {"end_fill_fraction": 0.5, "duration": 1.0},
+            },
+            'carrier.kind: "free" takes a tank that keeps its mass',
+        ),
     ],
 )
 def test_what_is_wrong_is_said_with_its_mend(sections: dict, said: str):
