@@ -35,10 +35,14 @@ _NAMES = (
 
 @dataclass(frozen=True, kw_only=True)
 class _Part:
-    """A part of a step that is open: from ``start`` to ``end`` [s]."""
+    """A part of a step that is open: from ``start`` to ``end`` [s].
+
+    ``unmoved`` (3,) [m/s^2]: a0, the tank's acceleration if the contents keep theirs in it.
+    """
 
     start: float
     end: float
+    unmoved: Array
     tank: Kinematics
     moment: Kinematics
 
@@ -77,14 +81,14 @@ class FreeTank:
             )
             for place, rate in (("displacement", "velocity"), ("moment", "moment_rate"))
         )  # fmt: skip
-        self._part = _Part(start=start, end=end, tank=tank, moment=moment)
         b = tank.b
         mass = self.mass + b * (self.dampers + b * self.springs)
         self.recoil = Recoil(mass=mass, density=self.density, prediction=moment.prediction)
         pushed = self._support(end, tank.prediction, tank.velocity_anchor)
         if self.forces is not None:
             pushed = pushed + self.forces.step_acceleration(start, end, previous)
-        return np.asarray(self.frame.gravity - pushed / mass)
+        self._part = _Part(start=start, end=end, unmoved=pushed / mass, tank=tank, moment=moment)
+        return np.asarray(self.frame.gravity - self._part.unmoved)
 
     def _support(self, time: float, displacement: Array, velocity: Array) -> Array:
         """Force (3,) [N] of springs and dampers, beyond what holds the tank up at rest."""
@@ -94,12 +98,13 @@ class FreeTank:
 
     def accept(self, moment: Array, body_force: Array) -> Array:
         """Commit the part that was opened last: Newton's law with the contents' ``moment``."""
+        del body_force
         part, recoil, now = self._part, self.recoil, self._now
         assert part is not None
         assert recoil is not None
         b, dt = part.tank.b, part.end - part.start
         contents = (moment - recoil.prediction) / (b * b * recoil.mass)
-        acceleration = self.frame.gravity - body_force - contents
+        acceleration = part.unmoved - contents
         velocity = part.tank.velocity_anchor + b * acceleration
         after = {
             "displacement": part.tank.prediction + b * b * acceleration,
