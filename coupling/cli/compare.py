@@ -86,6 +86,10 @@ def _print(done: ScanComparison) -> None:
     print_table("alignment: what moves the scan onto the run", ("motion", "value"), moves)
     for remark in table["remarks"]:
         print(remark)
+    print(
+        f"The run's triangles lie {1e3 * table['facet_error_m']:.2g} mm rms off the smooth surface "
+        "through their nodes, an error of its grid that no +- holds."
+    )
     print(f"+-: one standard error, by {table['blocks']} blocks of points.")
     print(f"map: {done.folder / 'compare.csv'}")
     print(f"report: {done.folder / 'compare.html'}")

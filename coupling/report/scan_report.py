@@ -111,6 +111,12 @@ def _meaning(table: Mapping[str, Any]) -> Table:
             "is on the rim have no counterpart and are left out.",
         ],
         [
+            "The run's grid",
+            f"Its triangles lie {number(1e3 * table['facet_error_m'], 'mm', 2)} rms off the smooth "
+            "surface through their nodes (the sagitta of each). A scan of the real diaphragm is "
+            "off by that much, too, and no ± holds it.",
+        ],
+        [
             "Noise",
             "The nearest distance of a perfect scan with normal noise of standard deviation s has "
             "the mean 0.8 s and the rms s.",

@@ -54,20 +54,21 @@ class Alignment:
 def align(sheet: Sheet, points: Array, size: float) -> Alignment:
     """Return the motion that takes a scan's ``points`` (p, 3) [m] onto the ``sheet``.
 
-    Of azimuths that fit equally well within the error of the fit, the one with the least turn.
-    ``size``: the rim's radius [m].
+    Of azimuths that fit equally well within the error of the fit and of the triangles, the one with
+    the least turn. ``size``: the rim's radius [m].
     """
     order = np.random.default_rng(0).permutation(len(points))
     few, some, many = (np.sort(order[:most]) for most, _ in (_FEW, _SOME, _MANY))
-    basis = determined(sheet, sheet.match(points[some]), points[some], size)
+    matches = sheet.match(points[some])
+    basis, facets = determined(sheet, matches, points[some], size), sheet.facet_error(matches)
     poses = [Pose.turned(0.0)]
     if names_known(basis)["azimuth"]:
         around = [Pose.turned(float(one)) for one in np.radians(np.arange(0.0, 360.0, SPACING))]
         found = _fits(sheet, points[few], around, basis, size, _FEW[1])
         found = _fits(sheet, points[some], _distinct(found), basis, size, _SOME[1])
-        poses = [fit.pose for fit in _as_good(found, blocks_of(points[some]))]
+        poses = [fit.pose for fit in _as_good(found, blocks_of(points[some]), facets)]
     fits = _fits(sheet, points[many], poses, basis, size, _MANY[1])
-    best, *others = _one_each(_as_good(fits, blocks_of(points[many])))
+    best, *others = _one_each(_as_good(fits, blocks_of(points[many]), facets))
     influence = np.zeros((len(points), 6))
     influence[many] = _influence(sheet, best.pose.moved(points[many]), basis, size)
     return Alignment(
@@ -143,14 +144,18 @@ def _influence(sheet: Sheet, moved: Array, basis: Array, size: float) -> Array:
     return found
 
 
-def _as_good(fits: list[_Fit], blocks: Ints) -> list[_Fit]:
-    """Those of ``fits`` that are as good as the best within the error, the least turn first."""
+def _as_good(fits: list[_Fit], blocks: Ints, facets: float) -> list[_Fit]:
+    """Those of ``fits`` that are as good as the best within the error, the least turn first.
+
+    A smooth scan lies as much off the triangles as these off the smooth surface, ``facets`` [m]
+    rms: azimuths that differ by less than its square are told apart by the grid alone.
+    """
     best = min(fits, key=lambda one: float(one.squares.mean()))
     found = []
     for fit in fits:
         worse = fit.squares - best.squares
         error = mean_error(worse - worse.mean(), blocks)
-        if worse.mean() <= _SIGNIFICANT * error:
+        if worse.mean() <= _SIGNIFICANT * error + facets**2:
             found.append(fit)
     return sorted(found, key=lambda one: abs(one.pose.azimuth))
 

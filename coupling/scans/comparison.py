@@ -81,6 +81,7 @@ def compare_points(scan: Path, unit: str, results: Results, at: float | None = N
             "blocks": int(blocks.max()) + 1,
             "model": results.model,
             "instant_s": float(results.time[row]),
+            "facet_error_m": sheet.facet_error(after.matches),
             "as_given": _columns(before),
             "aligned": _columns(after),
             "alignment": _motion(alignment, size, blocks)

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from coupling.ports import Array
 from coupling.scans.sheet import Matches, Sheet
 
+_UNKNOWN = 0.1  # part of an axis along unknown motions, beyond which it is not known
 AXES = ("shift_x", "shift_y", "shift_z", "tilt_x", "tilt_y", "azimuth")
 
 
@@ -91,8 +92,13 @@ def determined(sheet: Sheet, matches: Matches, points: Array, size: float) -> Ar
 
 
 def names_known(basis: Array) -> dict[str, bool]:
-    """Whether each of the six ``AXES`` lies by more than half in the span of a ``basis`` (6, k)."""
-    return {name: bool(row @ row > 0.5) for name, row in zip(AXES, basis, strict=True)}
+    """Whether each of the six ``AXES`` lies in the span of a ``basis`` (6, k) of the known motions.
+
+    An axis of which a tenth points along a motion of which nothing is known is not known either.
+    """
+    return {
+        name: bool(row @ row > 1.0 - _UNKNOWN**2) for name, row in zip(AXES, basis, strict=True)
+    }
 
 
 def _squares(values: Array) -> Array:

@@ -98,6 +98,19 @@ class Sheet:
         corners = self._node_normal[self.triangles[matches.triangle]]
         return _unit(np.einsum("pk,pkd->pd", matches.shares, corners))
 
+    def facet_error(self, matches: Matches) -> float:
+        """How far the triangles lie off the smooth surface through their nodes, rms [m].
+
+        Over the matched points. Half the offset of Phong tessellation (Boubekeur and Alexa, ACM
+        Trans. Graphics 27, 2008), which is the sagitta of a sphere to leading order.
+        """
+        nodes = self.triangles[matches.triangle]
+        corner = self.nodes[nodes]
+        foot = np.einsum("pk,pkd->pd", matches.shares, corner)
+        above = np.einsum("pkd,pkd->pk", corner - foot[:, None], self._node_normal[nodes])
+        offset = 0.5 * np.einsum("pk,pk->p", matches.shares, above)
+        return float(np.sqrt(np.mean(offset**2)))
+
     def match(self, points: Array) -> Matches:
         """Return what ``points`` (p, 3) [m] have on the sheet nearest to them."""
         parts = [
