@@ -11,7 +11,7 @@ _EXPULSION = {
     "... at a fill fraction of": "pressure_drop_max_at_fill",
     "... mean over the drawn volume [Pa]": "pressure_drop_mean_Pa",
     "... corrected for the grid's chords by, rms [Pa]": "pressure_drop_chords_Pa",
-    "... of the mean added by damping [Pa]": "pressure_drop_damping_Pa",
+    "... of the mean taken by damping [Pa]": "pressure_drop_damping_Pa",
     "work of the pressure drop [J]": "work_J",
     "outlet covered at a fill fraction of": "outlet_covered_at_fill",
     "liquid left then [m^3]": "residual_volume_m3",

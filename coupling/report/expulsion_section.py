@@ -16,7 +16,12 @@ from coupling.store.stored_rows import blocks
 _NOTE = (
     "The drop is the gas’s pressure over the liquid’s, beyond the head of a level liquid without a "
     "diaphragm; below 0 the diaphragm presses on the liquid, as its own weight does. The outlet "
-    "is the shell’s lower pole. What damping adds falls with the rate of drawing."
+    "is the shell’s lower pole. What damping takes falls with the rate of drawing, but for what "
+    "is lost as folds snap."
+)
+_RELAXED = (
+    "The folds are below the grid and relaxed: what the rubber takes to fold is not in the drop, "
+    "which is that of its weight and of the bending that the grid shows."
 )
 
 
@@ -29,6 +34,7 @@ def expulsion_section(run: RunFiles) -> Section | None:
     rubbed = _rubs(run)
     return Section(
         title="Expulsion",
+        text=_RELAXED if run.summary["folds"]["below_grid"] else "",
         tables=[expulsion_table(run, found)],
         pictures=pictures if rubbed is None else [*pictures, rubbed],
     )
@@ -47,7 +53,7 @@ def expulsion_table(run: RunFiles, found: dict[str, Any]) -> Table:
         ["… at a fill fraction of", number(found["pressure_drop_max_at_fill"])],
         ["Pressure drop, mean over the drawn volume", number(found["pressure_drop_mean_Pa"], "Pa")],
         ["… corrected for the grid’s chords by, rms", _pascal(found, "chords")],
-        ["… of it added by fold_damping and slack_drag", _pascal(found, "damping")],
+        ["… of it taken by fold_damping and slack_drag", _pascal(found, "damping")],
         ["Work of the drop", number(found["work_J"], "J")],
         ["Liquid at the outlet at the end, above the gas", _pascal_of(found)],
         ["Outlet covered", covered],

@@ -12,6 +12,7 @@ from coupling.motion import MOTIONS
 from coupling.report.files import RunFiles
 from coupling.report.page import Table, number, percent
 from coupling.scene.carrier import Carrier
+from coupling.scene.scene import Scene
 from coupling.scene.tank import Tank
 
 
@@ -51,6 +52,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
             "Diaphragm’s thickness" + (", mean" if uneven else ""),
             number(1e3 * scene.mean_thickness, "mm", 4),
         ],
+        *_ridge_row(scene),
         ["Diaphragm’s density", number(rubber.density, "kg/m³", 4)],
         ["Young’s modulus", number(rubber.youngs_modulus / 1e6, "MPa")],
         ["Ground’s motion" if scene.carrier.free else "Shaking", shaking],
@@ -93,6 +95,16 @@ def _carrier_rows(carrier: Carrier) -> list[list[str]]:
             if any(values)
         ),
     ]
+
+
+def _ridge_row(scene: Scene) -> list[list[str]]:
+    """A row that says which ridges there are; none without."""
+    rubber = scene.diaphragm
+    if rubber.ridge_number is None or rubber.ridge_width is None or rubber.ridge_height is None:
+        return []
+    width, height = (number(1e3 * one, "mm") for one in (rubber.ridge_width, rubber.ridge_height))
+    said = f"{rubber.ridge_number} {rubber.ridge_direction}, {width} wide, {height} high"
+    return [["Ridges", said]]
 
 
 def motion_table(run: RunFiles) -> Table:
