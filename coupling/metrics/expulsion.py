@@ -100,10 +100,10 @@ def expulsion_summary(steps: StepSeries, scene: Scene) -> dict[str, Any] | None:
         correct (``chords``) and the mean that the damping of bending and drag takes (``damping``),
         which falls with the rate but for what snapping folds lose. ``work_J``: the drop's, that of
         the gas on the diaphragm. ``residual_volume_m3``: liquid left when the diaphragm comes to
-        cover the outlet for good, at ``outlet_covered_at_fill``; null where it does not. ``folded_area_max_at_fill``,
-        ``folds_max_at_fill`` (null where the grid does not resolve them). ``inertia_ratio``:
-        u^2/(g R) with the mean speed u of the surface, which the liquid's inertia is over its
-        weight; ``sheet_kinetic_energy_max_J``.
+        cover the outlet for good, at ``outlet_covered_at_fill``; null where it does not.
+        ``folded_area_max_at_fill``, ``folds_max_at_fill`` (null where the grid does not resolve
+        them). ``inertia_ratio``: u^2/(g R) with the mean speed u of the surface, which the liquid's
+        inertia is over its weight; ``sheet_kinetic_energy_max_J``.
     """
     if not scene.supply.drawn or "pressure_drop" not in steps.metrics or len(steps.time) < 2:
         return None
