@@ -35,9 +35,9 @@ from coupling.report.run_tables import (
     motion_table,
     quality_table,
     rubber_table,
-    scene_tables,
     transfer_table,
 )
+from coupling.report.scene_tables import scene_tables
 from coupling.report.terms import TERMS
 from coupling.report.verdict import bernoulli_keys, verdict
 from coupling.report.viewer import run_viewer

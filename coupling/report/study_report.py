@@ -15,7 +15,7 @@ from coupling.report.instants import overlaid_sections
 from coupling.report.page import Page, Section, percent
 from coupling.report.record_section import study_sections
 from coupling.report.run_report import pressure_section, provenance, quality_section
-from coupling.report.run_tables import scene_tables
+from coupling.report.scene_tables import scene_tables
 from coupling.report.study_figures import errors_figure, front_figure
 from coupling.report.study_tables import (
     checks_table,
