@@ -49,6 +49,7 @@ def problems_between(scene: Scene) -> list[str]:
     return [
         *_check_shape(scene),
         *_check_gravity(scene),
+        *_check_fill(scene),
         *_check_cells(scene),
         *_check_grid(scene),
         *_check_losses(scene),
@@ -81,17 +82,26 @@ def _check_shape(scene: Scene) -> list[str]:
 
 
 def _check_gravity(scene: Scene) -> list[str]:
-    if scene.gravity[2] < 0.0:
-        return []
-    what = f"gravity: its z component must be negative, got {list(scene.gravity)}. "
     if any(scene.gravity):
-        return [
-            f"{what}Turn the axes so that the liquid lies below the diaphragm, at negative z; a "
-            "tank upside down, its liquid on top of the rubber, is not computed."
-        ]
+        return []
     return [
-        f"{what}A weightless liquid has no level that the diaphragm could settle on: give the "
-        "steady acceleration that holds it down, such as [0.0, 0.0, -9.81] on the ground."
+        f"gravity: must not be zero, got {list(scene.gravity)}. A weightless liquid has no level "
+        "that the diaphragm could settle on: give the steady acceleration that holds it down, such "
+        "as [0.0, 0.0, -9.81] on the ground."
+    ]
+
+
+def _check_fill(scene: Scene) -> list[str]:
+    """Whether the diaphragm, which keeps its lengths, can hold the liquid's volume."""
+    tank = scene.tank
+    least, largest = (volume / tank.volume for volume in tank.held_by(scene.mould))
+    if least <= scene.liquid.fill_fraction <= largest:
+        return []
+    return [
+        f"liquid.fill_fraction: a diaphragm moulded to the {scene.diaphragm.mould} part of this "
+        f"shell holds fill fractions from {least:.4g} to {largest:.4g}, got "
+        f"{scene.liquid.fill_fraction:g}. Give one of them, mould it to the other part "
+        "(diaphragm.mould), or clamp it nearer to the middle (tank.clamp_height)."
     ]
 
 

@@ -35,6 +35,12 @@ COMPRESSIVE = 0.003
 # with an eighth of that. It would fold to a depth of several tenths of R in place of shrinking.
 BUCKLING = 0.25
 CREEP = 1e-4  # force over rho g R^3, below which a sheet that finds no rest starts all the same
+# The same where it touches itself, or is longer than a hemisphere, so that it cannot lie flat: what
+# keeps its layers apart moves nodes by some 10 um, which an inextensible sheet answers with forces
+# that no equilibrium has, and slack creeps into pleats for long.
+FOLDED = 2e-2
+ROUNDING = 1e-9  # of a length
+HEMISPHERE = 0.5 * math.pi  # length of its meridian over its rim's radius
 
 
 class Diaphragm(IterativeStructure, Protocol):
@@ -122,16 +128,27 @@ def _relaxed(scene: Scene) -> float:
     shortest = math.pi / grid_spacing(scene.mould.length, scene.cloth)
     square = min(math.sqrt(weight / bending), shortest**2)
     buckling = bending * square + weight / square
-    return min(COMPRESSIVE * weight * scene.tank.shell.size**2, BUCKLING * buckling)
+    # A sheet that lies flat is compressed to a share s of its length, of a hemisphere 2/pi. Its
+    # waves then buckle under s^2 of that load, and it pushes with 1 - s of the stiffness.
+    longest = _slackness(scene)
+    room = HEMISPHERE * (HEMISPHERE - 1.0) / (longest * (longest - 1.0))
+    size = scene.tank.shell.size
+    return min(COMPRESSIVE * weight * size**2, BUCKLING * room * buckling)
+
+
+def _slackness(scene: Scene) -> float:
+    """Length of the mould's meridian over the rim's radius, a hemisphere's for all shorter ones."""
+    longest = scene.mould.length / scene.tank.shell.size
+    return longest if longest > HEMISPHERE * (1.0 + ROUNDING) else HEMISPHERE
 
 
 def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> float | None:
     """Bring ``cloth`` to rest under ``load``, by way of the scene's liquid volume.
 
     Returns the force left over rho g R^3 (``cloth.residual``). Raises ``RunFailed`` where that is
-    more than ``time.settle_tolerance`` and ``CREEP``. The thesis' diaphragm runs ``time.settle``
-    from its moulded shape instead, 1 s in the thesis, and whatever it has come to is taken for its
-    rest, velocities included: then None is returned.
+    more than ``time.settle_tolerance`` and ``CREEP``, of a sheet with folds ``FOLDED``. The thesis'
+    diaphragm runs ``time.settle`` from its moulded shape instead, 1 s in the thesis, and whatever
+    it has come to is taken for its rest, velocities included: then None is returned.
     """
     if isinstance(cloth, ThesisSheet):
         if scene.time.settle > 0.0:
@@ -147,7 +164,8 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> f
     if load.datum is not None:
         outcome = settle(cloth, load, tolerance=tolerance)
     if not outcome.converged:
-        if outcome.residual > max(CREEP, tolerance):
+        folded = _slackness(scene) > HEMISPHERE or bool(np.any(cloth.state.self_pressure > 0.0))
+        if outcome.residual > max(FOLDED if folded else CREEP, tolerance):
             raise RunFailed(
                 f"settling: the diaphragm finds no rest in {outcome.steps} steps: the force left "
                 f"is {outcome.residual:.1e} rho g R^3, time.settle_tolerance {tolerance:.0e}. Let "

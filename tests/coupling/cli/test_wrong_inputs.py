@@ -123,7 +123,7 @@ WRONG = {
     "missing section": (write("[tank]\nradius = 1"), "run case", "Add the section [liquid]"),
     "step too long": (nothing, "run case --set time.step=0.1", "at most 1/20 of the motion's"),
     "no direction": (nothing, "run case --set motion.direction=[0,0,0]", "must not be zero"),
-    "liquid above": (nothing, "check case --set gravity=[0,0,9.81]", "must be negative"),
+    "weightless": (nothing, "check case --set gravity=[0,0,0]", "A weightless liquid has no level"),
     "missing table": (
         nothing,
         "run case --set motion.kind=table --set motion.file=no.csv",

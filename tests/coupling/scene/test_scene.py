@@ -202,7 +202,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
         "liquid.fill_fraction",
         "cloth.resolution",
     ]
-    crossed = problems(folder, "time.step=1.0", "gravity=[0,0,9.81]", "motion.direction=[0,0,0]")
+    crossed = problems(folder, "time.step=1.0", "gravity=[0,0,0]", "motion.direction=[0,0,0]")
     assert len(crossed) == 3
 
 
@@ -228,7 +228,7 @@ def test_all_problems_are_listed_at_once(folder: Path):
         ("gravity=[0,0]", "must be three numbers in brackets, got [0, 0]"),
         ("gravity=[0,0,0,1]", "must be three numbers in brackets, got [0, 0, 0, 1]"),
         ("gravity=[0,0,'x']", 'must be a number, got "x"'),
-        ("gravity=[9.81,0,0]", "its z component must be negative"),
+        ("gravity=[0,0,0]", "A weightless liquid has no level"),
         ("diaphragm.held=1", "must be true or false, got 1"),
         ("diaphragm.inextensible=no", 'must be true or false, got "no"'),
         ("diaphragm.loss_factor=0.1", "inextensible = true, whose stretch is numerical"),

@@ -13,7 +13,7 @@ from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.interface.free_patch import FreePatch
-from coupling.scene.scene import Scene, SceneError, scene_from, with_overrides
+from coupling.scene.scene import Scene, SceneError, plain_values, scene_from, with_overrides
 from coupling.simulation.driver import run
 from coupling.store.results import Results, read_results
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
@@ -66,6 +66,32 @@ def test_a_run_in_a_sphere_of_arcs_is_that_in_the_sphere(tmp_path: Path, fluid: 
     np.testing.assert_allclose(got.volume, wanted.volume, rtol=SAME)
     lifted = np.abs(wanted.position[-1] - wanted.position[0]).max()
     assert lifted > 1e-3 * RADIUS  # something moves
+
+
+def test_a_run_in_points_of_a_sphere_and_in_a_pill_of_no_length_is_the_sphere_s(tmp_path: Path):
+    """A profile's circle has its radius from rounded points: apart by some 1e-15 R as well."""
+    scene = with_overrides(tank("hydrostatic", friction_shell=0.3), ["time.duration=0.05"])
+    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 33)
+    points = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+    lines = ["r,z", *(f"{r!r},{z!r}" for r, z in points.tolist())]
+    (tmp_path / "sphere.csv").write_text("\n".join(lines))
+    kept = plain_values(scene)
+    shapes = {
+        "sphere": {"radius": RADIUS},
+        "pill": {"shape": "pill", "radius": RADIUS, "cylinder_length": 0.0},
+        "profile": {"shape": "profile", "profile": str(tmp_path / "sphere.csv")},
+    }
+    results = {}
+    for name, keys in shapes.items():
+        assert run(scene_from(kept | {"tank": keys}), tmp_path / name)["status"] == "completed"
+        results[name] = read_results(tmp_path / name)
+    wanted = results["sphere"]
+    for name in ("pill", "profile"):
+        got, force = results[name], np.abs(wanted.force).max()
+        np.testing.assert_allclose(got.position, wanted.position, atol=SAME * RADIUS)
+        np.testing.assert_allclose(got.liquid_cg, wanted.liquid_cg, atol=SAME * RADIUS)
+        np.testing.assert_allclose(got.force, wanted.force, atol=SAME * force)
+        np.testing.assert_allclose(got.volume, wanted.volume, rtol=SAME)
 
 
 def test_the_flow_s_mesh_in_a_sphere_of_arcs_is_that_in_the_sphere():
