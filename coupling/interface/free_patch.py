@@ -77,7 +77,8 @@ class PatchSettings:
 class FreePatch:
     """Map from ``sheet`` to the patch of ``mesh`` in a ``shell``.
 
-    ``moulded`` (n, 3): directions of the sheet's nodes on the unit hemisphere of its mould's chart.
+    ``moulded`` (n, 3): directions of the sheet's nodes on the unit hemisphere of its mould's chart;
+    ``stretch``: length of the mould's meridian over that of a hemisphere on its rim.
     """
 
     def __init__(
@@ -87,9 +88,10 @@ class FreePatch:
         *,
         shell: Shell,
         moulded: Array,
+        stretch: float = 1.0,
         settings: PatchSettings | None = None,
     ) -> None:
-        self.settings = settings or PatchSettings()
+        self.settings, self._stretch = settings or PatchSettings(), stretch
         self.mesh, self.shell = mesh, shell
         self._triangles, self._nodes = sheet.triangles, Sources(moulded)
         self._search = ContactSearch(moulded, sheet.triangles, sheet.fixed, shell)
@@ -124,7 +126,7 @@ class FreePatch:
         rim = points[self._rim] / np.linalg.norm(points[self._rim], axis=1)[:, None]
         weights[self._rim] = 0.0
         self._round(points, weights)
-        depth = np.minimum(s.film, s.wedge * (1.0 - self._reach) * edge)
+        depth = np.minimum(s.film, s.wedge * self._stretch * (1.0 - self._reach) * edge)
         points = np.where(self.mesh.rim[:, None], points, tank.confine(points, depth))
         shell = tank.on_rays(self._arcs.directions(pool_middle(rim), rim))
         size = self._size(points, shell, volume_below(nodes, self._triangles, tank))

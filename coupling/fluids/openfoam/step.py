@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -38,8 +39,13 @@ _log = logging.getLogger(__name__)
 def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow, FreePatch]:
     """The flow below the settled ``cloth``, not yet started, and its map to the cloth."""
     shell, mesh = scene.tank.shell, half_ball(scene.openfoam.cells, scene.wall_spacing)
-    moulded = scene.mould.directions(cloth.reference)
-    mapping = FreePatch(mesh, cloth, shell=shell, moulded=moulded)
+    mapping = FreePatch(
+        mesh,
+        cloth,
+        shell=shell,
+        moulded=scene.mould.directions(cloth.reference),
+        stretch=scene.mould.length / (0.5 * math.pi * shell.size),
+    )
     flow = OpenFoamFlow(
         folder,
         mesh,

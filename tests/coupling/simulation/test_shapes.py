@@ -68,9 +68,12 @@ def test_a_run_in_a_sphere_of_arcs_is_that_in_the_sphere(tmp_path: Path, fluid: 
     assert lifted > 1e-3 * RADIUS  # something moves
 
 
-def test_a_run_in_points_of_a_sphere_and_in_a_pill_of_no_length_is_the_sphere_s(tmp_path: Path):
+@pytest.mark.parametrize("fluid", ["hydrostatic", "potential"])
+def test_a_run_in_points_of_a_sphere_and_in_a_pill_of_no_length_is_the_sphere_s(
+    tmp_path: Path, fluid: str
+):
     """A profile's circle has its radius from rounded points: apart by some 1e-15 R as well."""
-    scene = with_overrides(tank("hydrostatic", friction_shell=0.3), ["time.duration=0.05"])
+    scene = with_overrides(tank(fluid, friction_shell=0.3), ["time.duration=0.05"])
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 33)
     points = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
     lines = ["r,z", *(f"{r!r},{z!r}" for r, z in points.tolist())]
