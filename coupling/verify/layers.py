@@ -10,7 +10,6 @@ from time import perf_counter
 
 import numpy as np
 
-from cloth.shell.sphere import Sphere
 from coupling.estimate.sloshing_modes import lateral_eigenvalue, lateral_heights, layer_slip
 from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.mesh import LiquidMesh, half_ball
@@ -20,8 +19,8 @@ from coupling.fluids.potential.wall_layers import layer_speed
 from coupling.foam.installation import find_openfoam
 from coupling.motion.sine import smooth_ramp
 from coupling.verify.case import VerifyResult, quantity
+from coupling.verify.level_tank import DENSITY, GRAVITY, RADIUS, level_shape, level_tank
 from coupling.verify.sheets import within
-from coupling.verify.slosh import DENSITY, GRAVITY, RADIUS, level_shape
 
 AMPLITUDE = 1e-4  # over R: a tenth of the lowest cells that are taken here
 RAMP, PERIODS = 1.0, 2.0  # of soft start, and in all: the last one is evaluated
@@ -92,10 +91,10 @@ class LedMode:
 def _led(folder: Path, mesh: LiquidMesh, omega: float, step: float, viscosity: float) -> LedMode:
     """Lead the surface through the mode at ``omega`` [1/s], and fit the pressure on it."""
     flow = OpenFoamFlow(
-        folder, mesh, openfoam=find_openfoam(keep_alive=True), shell=Sphere(RADIUS),
+        folder, mesh, openfoam=find_openfoam(keep_alive=True), shell=level_tank("sphere"),
         density=DENSITY, viscosity=viscosity, timeout=120.0,
     )  # fmt: skip
-    level, shell, path = level_shape(mesh, 0.0)
+    level, shell, path, volume = level_shape(mesh, level_tank("sphere"), 0.0)
     distance = np.linalg.norm(level[:, :2], axis=1)
     shape = lateral_heights(1.0, 1, distance / distance.max())
     shape = shape * level[:, 0] / np.maximum(distance, 1e-12)
@@ -106,7 +105,7 @@ def _led(folder: Path, mesh: LiquidMesh, omega: float, step: float, viscosity: f
     count = round(PERIODS * 2.0 * np.pi / (omega * step))
     push, motion = np.zeros(count), np.zeros((count, 2))
     with closing(flow):
-        flow.start(level, shell, 2.0 / 3.0 * np.pi * RADIUS**3)
+        flow.start(level, shell, volume)
         for number in range(count):
             time = (number + 1) * step
             risen, _, _ = smooth_ramp(time, RAMP * 2.0 * np.pi / omega)

@@ -9,7 +9,6 @@ from time import perf_counter
 
 import numpy as np
 
-from cloth.shell.sphere import Sphere
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.mesh import half_ball
 from coupling.fluids.openfoam.flow import OpenFoamFlow
@@ -23,8 +22,8 @@ from coupling.step.convergence import Convergence
 from coupling.step.coupled import CoupledStep
 from coupling.verify.case import CaseError, VerifyResult, quantity
 from coupling.verify.free_surface import FreeSurface
+from coupling.verify.level_tank import DENSITY, GRAVITY, level_shape, level_tank
 from coupling.verify.sheets import within
-from coupling.verify.slosh import DENSITY, GRAVITY, RADIUS, level_shape
 from coupling.verify.whole_run import whole_run
 
 FREQUENCY = 1.25  # Hz, above the first slosh frequency of 0.93 Hz
@@ -94,7 +93,7 @@ def _shaken(folder: Path, step: float, cells: int) -> dict[str, float]:
     """``imbalance`` and ``imbalance_of_cells`` of a free surface on OpenFOAM's liquid."""
     flow = OpenFoamFlow(
         folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True),
-        shell=Sphere(RADIUS), density=DENSITY, viscosity=1e-6, timeout=120.0,
+        shell=level_tank("sphere"), density=DENSITY, viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     with closing(flow):
         force, centre, flow_momentum, mass = _recorded(flow, step)
@@ -106,9 +105,9 @@ def _shaken(folder: Path, step: float, cells: int) -> dict[str, float]:
 
 def _recorded(flow: OpenFoamFlow, step: float) -> tuple[Array, Array, Array, float]:
     """Force of p* [N], centre of gravity [m] and sum rho V U [N s], (T, 3) each; mass [kg]."""
-    patch, shell, path = level_shape(flow.mesh, 0.0)
+    patch, shell, path, content = level_shape(flow.mesh, level_tank("sphere"), 0.0)
     surface = FreeSurface(patch, flow.faces, path, mass=1e-3, density=DENSITY, gravity=GRAVITY)
-    flow.start(patch, shell, 2 * np.pi * RADIUS**3 / 3)
+    flow.start(patch, shell, content)
     coupled = CoupledStep(
         surface, flow, Matching(), AddedMass(), takes_inertia=True, max_iterations=30,
         convergence=Convergence(tolerance=1e-4, acceleration=GRAVITY * TILT),

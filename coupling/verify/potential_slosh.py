@@ -4,37 +4,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from cloth.shell.sphere import Sphere
-from coupling.fluids.potential.harmonics import SolidHarmonics
+from coupling.fluids.potential.harmonics import harmonics_in
 from coupling.fluids.potential.ritz import RitzLiquid, wall_integral
 from coupling.ports import Array, HydrostaticLoad
 from coupling.verify.disc import disc_grid
 from coupling.verify.free_surface import FreeSurface
+from coupling.verify.level_tank import DENSITY, GRAVITY, LevelTank
 
 FACES = 4  # on the surface, over the square of the polynomials' degree: both errors fall together
 
 
-def level_liquid(
-    level: float, degree: int, *, radius: float, density: float, gravity: float
-) -> tuple[FreeSurface, Array]:
-    """Return a level surface in a ball, and the liquid's inertia below it.
+def level_liquid(tank: LevelTank, height: float, degree: int) -> tuple[FreeSurface, Array]:
+    """Return a level surface in a tank, and the liquid's inertia below it.
 
-    The surface is at the depth ``level`` radii in a ball of ``radius`` [m]. The rows B (k, p, 3)
-    [kg^(1/2)] are those of polynomials of ``degree``, as ``RitzShape`` has them. ``density``
-    [kg/m^3], ``gravity`` [m/s^2].
+    The surface is at ``height`` [m] above the origin. The rows B (k, p, 3) [kg^(1/2)] are those of
+    polynomials of ``degree``, as ``RitzShape`` has them.
     """
     plan, quads = disc_grid(FACES * degree**2)
-    points = np.empty((len(plan), 3))
-    points[:, :2] = radius * np.sqrt(1 - (level - 1) ** 2) * plan
-    points[:, 2] = radius * (level - 1)
+    points = tank.surface(plan, height)
     path = np.zeros_like(points)
     path[:, 2] = 1.0
-    surface = FreeSurface(points, quads, path, mass=1e-3, density=density, gravity=gravity)
-    harmonics = SolidHarmonics(degree, radius)
-    wall = wall_integral(harmonics, *Sphere(radius).quadrature(degree, radius * (level - 1)))
+    surface = FreeSurface(points, quads, path, mass=1e-3, density=DENSITY, gravity=GRAVITY)
+    harmonics = harmonics_in(tank.shell, degree)
     liquid = RitzLiquid(
-        triangles=surface.triangles, harmonics=harmonics, wall=wall, density=density
-    )
+        triangles=surface.triangles, harmonics=harmonics,
+        wall=wall_integral(harmonics, *tank.wetted(height, degree)), density=DENSITY,
+    )  # fmt: skip
     return surface, liquid.at(points).rows()
 
 
@@ -43,8 +38,6 @@ def released(
     rows: Array,
     shape: Array,
     *,
-    density: float,
-    gravity: float,
     step: float,
     duration: float,
 ) -> tuple[Array, Array, Array]:
@@ -58,10 +51,6 @@ def released(
         Rows B (k, p, 3) [kg^(1/2)] of the liquid's inertia, constant; see ``level_liquid``.
     shape
         Heights at the start (p,) [m]; their mean is removed.
-    density
-        Density of the liquid [kg/m^3].
-    gravity
-        Acceleration of gravity [m/s^2], downwards.
     step
         Time step [s], the structure's own.
     duration
@@ -77,7 +66,7 @@ def released(
         Kinetic and potential energy (T,) [J].
     """
     surface.displace(shape)
-    load = HydrostaticLoad(density=density, body_force=np.array([0.0, 0.0, -gravity]))
+    load = HydrostaticLoad(density=DENSITY, body_force=np.array([0.0, 0.0, -GRAVITY]))
     count = int(np.ceil(duration / step))
     signal, energy = [surface.moment(shape)], [surface.energy(rows)]
     for _ in range(count):

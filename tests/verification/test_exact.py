@@ -12,9 +12,10 @@ from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacia
 from coupling.finite_volume.mesh import half_ball
 from coupling.verify import CaseError, run_case
 from coupling.verify.cylinder import Tank
+from coupling.verify.level_tank import DENSITY, GRAVITY, RADIUS
 from coupling.verify.plate import plate_frequency
 from coupling.verify.prism import prism_mesh
-from coupling.verify.slosh import DENSITY, EIGENVALUES, GRAVITY, RADIUS
+from coupling.verify.slosh import EIGENVALUES
 
 
 def errors(result):
@@ -49,7 +50,7 @@ def test_other_fluids_are_refused(case):
 
 
 def test_lateral_modes_are_those_of_the_literature():
-    for (level, mode), printed in EIGENVALUES.items():
+    for (level, mode), printed in EIGENVALUES["sphere"].items():
         digits = 1e-6 if printed == 1.560157 else 1e-4  # half of the last one printed, and rounding
         assert lateral_eigenvalue(level, mode) == pytest.approx(printed, abs=0.51 * digits)
 

@@ -8,6 +8,8 @@ from shells import pill, sphere_of_arcs
 from cloth.shell.sphere import Sphere, level_of_fill_fraction
 from coupling.estimate.sloshing_modes import lateral_eigenvalue
 from coupling.estimate.tank_modes import depth, lowest_eigenvalue
+from coupling.verify import CaseError, run_case
+from coupling.verify.slosh import EIGENVALUES
 
 Z, X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
@@ -41,8 +43,47 @@ def test_the_lowest_mode_of_a_pill_upright_and_lying(fill: float):
     shell = pill(1.0, 1.0)
     upright = axisymmetric(pill_reach(1.0, shell.level_of(fill * shell.volume, Z), lying=False), 16)
     reach = pill_reach(1.0, shell.level_of(fill * shell.volume, X), lying=True)
-    lying = three_dimensional(reach, 8, (True, False))
-    across = three_dimensional(reach, 8, (False, True))
+    lying = three_dimensional(reach, 7, (True, False))
+    across = three_dimensional(reach, 4, (False, True))
     assert lying[0] < across[0]
     assert lowest_eigenvalue(shell, fill * shell.volume, Z) == pytest.approx(upright[0], rel=1e-4)
     assert lowest_eigenvalue(shell, fill * shell.volume, X) == pytest.approx(lying[0], rel=5e-4)
+
+
+def reference(tank: str, level: float, mode: int) -> float:
+    """omega^2 R/g of a mode in a pill of 2:1, by the elements."""
+    if tank == "pill":
+        return float(axisymmetric(pill_reach(1.0, level - 2.0, lying=False), 16)[0])
+    reach = pill_reach(1.0, level - 1.0, lying=True)
+    return float(three_dimensional(reach, 6, (mode == 1, mode == 2))[0])
+
+
+@pytest.mark.parametrize("tank", ["pill", "lying-pill"])
+def test_the_modes_of_pills_that_are_tabulated(tank: str):
+    """To half a digit, and the coarser elements' error, up to 1e-3 in three dimensions."""
+    for (level, mode), tabulated in EIGENVALUES[tank].items():
+        allowed = 1e-4 if tank == "pill" else 1.5e-3
+        assert reference(tank, level, mode) == pytest.approx(tabulated, rel=allowed)
+
+
+@pytest.mark.parametrize(
+    ("tank", "level", "mode"),
+    [(tank, *key) for tank in ("pill", "lying-pill") for key in EIGENVALUES[tank]],
+)
+def test_potential_in_a_pill_upright_and_lying(tank: str, level: float, mode: int):
+    """Within 0.5 %: the surface's facets are left, of second order, most in a shallow lying pill.
+
+    With polynomials in units of the rim's radius degree 12 errs by 3 % half full.
+    """
+    degree = 16 if level < 1.0 else 12
+    options = {"tank": tank, "level": level, "mode": mode, "fluid": "potential"}
+    texts = {name: str(value) for name, value in (options | {"resolution": degree}).items()}
+    found = run_case("slosh", texts).quantities[0]
+    assert found.error < 5e-3
+
+
+def test_what_the_slosh_of_a_pill_does_not_take():
+    with pytest.raises(CaseError, match="--tank: must be one of sphere, pill, lying-pill"):
+        run_case("slosh", {"tank": "cube"})
+    with pytest.raises(CaseError, match=r"in a pill \(level, mode\) must be one of \(1.5, 1\)"):
+        run_case("slosh", {"tank": "pill", "fluid": "potential", "level": "1.1"})

@@ -13,6 +13,7 @@ from coupling.mechanical.modal_model import ModalModel, unit_force
 from coupling.mechanical.recording import Recording
 from coupling.mechanical.validation import force_error
 from coupling.ports import HydrostaticLoad
+from coupling.verify.level_tank import level_tank
 from coupling.verify.potential_slosh import level_liquid
 
 SLOSH = 0.95  # Hz
@@ -142,7 +143,7 @@ def free_surface(upwards):
     slosh = np.sqrt(lateral_eigenvalue(1.0, 1) * 9.81 / 0.4445) / (2.0 * np.pi)
     step = 1.0 / (STEPS_A_PERIOD * slosh)
     total = 2.0 / 3.0 * np.pi * 0.4445**3 * 1000.0
-    surface, rows = level_liquid(1.0, 6, radius=0.4445, density=1000.0, gravity=9.81)
+    surface, rows = level_liquid(level_tank("sphere"), 0.0, 6)
     acceleration = sweep(0.002, slosh, step, upwards=upwards)
     moved = [0.0]  # kg m of what the liquid's volume shifts within the tank
     for value in acceleration[1:]:
