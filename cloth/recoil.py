@@ -14,10 +14,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from cloth.arrays import Array
+from cloth.arrays import Array, Ints
+from cloth.compiled import compiled
 from cloth.linear import System
 from cloth.load import Load, Recoil
 from cloth.model import ClothModel
+
+
+@compiled
+def _cone_moment(x: Array, triangles: Ints, moment: Array) -> None:
+    """Add 24 int x dV [m^4] over the cone from ``triangles`` (m, 3) to the origin to ``moment``."""
+    for t in range(triangles.shape[0]):
+        i, j, k = triangles[t]
+        a0, a1, a2 = x[i, 0], x[i, 1], x[i, 2]
+        b0, b1, b2 = x[j, 0], x[j, 1], x[j, 2]
+        c0, c1, c2 = x[k, 0], x[k, 1], x[k, 2]
+        cone = a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
+        moment[0] += cone * (a0 + b0 + c0)
+        moment[1] += cone * (a1 + b1 + c1)
+        moment[2] += cone * (a2 + b2 + c2)
 
 
 def first_moment(model: ClothModel, density: float, x: Array) -> Array:
@@ -27,9 +42,9 @@ def first_moment(model: ClothModel, density: float, x: Array) -> Array:
     """
     moment = model.mass @ x
     if density:
-        a, b, c = (x[model.triangles[:, k]] for k in range(3))
-        cone = np.einsum("mx,mx->m", a, np.cross(b, c)) / 6.0
-        moment = moment + density * (cone @ (a + b + c)) / 4.0
+        cone = np.zeros(3)
+        _cone_moment(x, model.triangles, cone)
+        moment = moment + density / 24.0 * cone
     return np.asarray(moment)
 
 
