@@ -13,6 +13,7 @@ from coupling.scans.errors import ScanError
 
 UNITS = {"mm": 1e-3, "m": 1.0, "in": 0.0254}
 LEAST = 100  # points: as many as blocks of the sampling error need
+_HEADER = 100_000  # bytes that a PLY's header may have
 _LARGEST, _SMALLEST = 3.0, 0.05  # of a scan's size over the diaphragm's
 
 
@@ -78,12 +79,24 @@ def check_size(points: Array, position: Array, path: Path, unit: str) -> None:
 def _obj_points(path: Path) -> list[list[float]]:
     """Points of an OBJ: its lines ``v``, also of textured ones, which meshio does not read."""
     with path.open(encoding="utf-8", errors="replace") as file:
-        return [[float(word) for word in line.split()[1:4]] for line in file if line[:2] == "v "]
+        points = [line.split()[1:4] for line in file if line[:2] == "v "]
+    for number, point in enumerate(points, 1):
+        if len(point) < 3:
+            raise ValueError(f"point {number} has {len(point)} coordinates")
+    return [[float(word) for word in point] for point in points]
+
+
+def _ply_points(path: Path) -> Array:
+    """Points of a PLY whose header ends; in one that does not meshio reads on for ever."""
+    with path.open("rb") as file:
+        if b"end_header" not in file.read(_HEADER):
+            raise meshio.ReadError("Expected ply with an end_header")
+    return np.asarray(meshio.ply.read(path).points)
 
 
 # meshio's own ``read`` ends the program where a file is of another format; these raise
 _READERS = {
-    ".ply": lambda path: meshio.ply.read(path).points,
+    ".ply": _ply_points,
     ".stl": lambda path: meshio.stl.read(path).points,
     ".obj": _obj_points,
 }
