@@ -62,6 +62,23 @@ class PotentialLiquid:
         """The liquid below the sheet at ``points`` (n, 3) [m]."""
         return self.ritz.at(points)
 
+    def slowest_wave(self, points: Array, gravity: Array) -> float:
+        """Return the frequency [Hz] of the slowest wave, as of a liquid without a sheet on it.
+
+        0 where the sheet lies on the shell all over.
+
+        Parameters
+        ----------
+        points
+            Nodes of the sheet at rest (n, 3) [m].
+        gravity
+            The body force (3,) [m/s^2] in which it is at rest.
+        """
+        shape, strength = self.at(points), float(np.linalg.norm(gravity))
+        level = np.maximum(shape.area @ (-gravity / strength), 0.0)
+        wave = shape.slowest_wave(np.where(self._free(points), level, 0.0))
+        return float(np.sqrt(strength * wave) / (2.0 * np.pi))
+
     def layers(self, points: Array, shape: RitzShape) -> WallLayers:
         """Return the boundary layers on shell and sheet of the liquid in ``shape``.
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
 from coupling.fluids.model import CoarserScene, ErrorLaw, FluidModel, Record, inertia_wrong
-from coupling.motion.shaking import driving_frequency
 from coupling.ports import IterativeStructure, TimeStep
 from coupling.scene.scene import Scene
 
@@ -46,8 +47,11 @@ class PotentialModel(FluidModel):
             shell=scene.tank.shell,
             degree=scene.potential.degree,
             density=scene.liquid.density,
-            layer=layer_speed(scene.liquid.viscosity, driving_frequency(scene)),
         )
+        frequency = scene.frequency
+        if frequency is None:  # what lasts after a shock, and most of what a record stirs
+            frequency = liquid.slowest_wave(cloth.state.position, np.array(scene.gravity))
+        liquid.layer = layer_speed(scene.liquid.viscosity, frequency)
         return PotentialStep(cloth, liquid)
 
     def approximations(self, scene: Scene) -> Mapping[str, CoarserScene]:

@@ -100,6 +100,23 @@ class RitzShape:
         source = self.source(velocity, turn)
         return np.concatenate([[0.0], self.inverse @ (self.inverse.T @ source)])
 
+    def slowest_wave(self, weight: Array) -> float:
+        """Return omega^2/g [1/m] of the slowest wave of a level surface.
+
+        1 over the largest of int phi^2 dS on the surface among potentials of int |grad phi|^2 dV =
+        1 without a mean there (Rayleigh); 0 without a surface.
+
+        Parameters
+        ----------
+        weight
+            Level area of the surface in each triangle of the sheet (m,) [m^2].
+        """
+        if not weight.any():
+            return 0.0
+        shown = self.values[:, 1:] @ self.inverse
+        shown -= weight @ shown / weight.sum()
+        return 1.0 / float(sl.eigvalsh(shown.T @ (weight[:, None] * shown))[-1])
+
     def kinetic_energy(self, velocity: Array, turn: Turn | None = None) -> float:
         """T [J]; parameters as of ``source``."""
         source = self.source(velocity, turn)
