@@ -23,6 +23,8 @@ from coupling.fluids.potential.wall_layers import WallLayers, slip_form
 from coupling.interface.contact_distance import ContactDistance
 from coupling.ports import Array, Ints, LiquidSample, Shell, Turn
 
+_ROUNDING = 1e-12  # of a lever, over the product of its parts
+
 
 class PotentialLiquid:
     """Liquid of ``density`` [kg/m^3] between a ``shell`` and ``triangles`` (m, 3).
@@ -44,14 +46,15 @@ class PotentialLiquid:
     ) -> None:
         harmonics = harmonics_in(shell, degree)
         points, self._shell_area = shell.quadrature(degree)
+        self._lever = _lever(points, self._shell_area)
         self.shell, self.layer = shell, layer
         self._distance = ContactDistance(triangles, shell)
         self.ritz = RitzLiquid(
             triangles=triangles, harmonics=harmonics,
             wall=wall_integral(harmonics, points, self._shell_area), density=density,
-            spun=harmonics.values(points).T @ np.cross(points, self._shell_area),
+            spun=harmonics.values(points).T @ self._lever,
         )  # fmt: skip
-        self._points, self._shell_values = points, harmonics.values(points)
+        self._shell_values = harmonics.values(points)
         size = np.linalg.norm(self._shell_area, axis=1)
         outward = self._shell_area / size[:, None]
         self._shell_form = slip_form(harmonics, self._shell_values, outward, size)
@@ -145,7 +148,7 @@ class PotentialLiquid:
             kinetic_pressure=-0.5 * self.ritz.density * speed**2,
             viscous_traction=np.zeros(len(speed)),
             wall_pressure_force=nodal.sum(axis=0) + on_shell @ self._shell_area,
-            wall_pressure_moment=np.cross(points, nodal).sum(axis=0),
+            wall_pressure_moment=np.cross(points, nodal).sum(axis=0) + on_shell @ self._lever,
             speed_max=float(speed.max()),
             dphi_dt_max=largest_rate((shape.values @ rate)[free], size[free]),
             kinetic_energy=energy,
@@ -158,9 +161,7 @@ class PotentialLiquid:
         if turn is None:
             return 0.0
         pressure, _ = bernoulli(self.ritz, self._shell_values, rate, coefficient)
-        return float(
-            np.einsum("n,nx,nx->", pressure, turn.velocity(self._points), self._shell_area)
-        )
+        return float(pressure @ self._lever @ turn.rate)
 
     def _free(self, points: Array) -> NDArray[np.bool_]:
         """Triangles (m,) with a corner more than half an edge off what rests on the shell."""
@@ -179,3 +180,21 @@ class PotentialLiquid:
         whole = np.bincount(rows, weight, self._nodes)
         sums = [np.bincount(rows, weight * part[columns], self._nodes) for part in values.T]
         return np.asarray((np.array(sums) / whole).T)
+
+
+def _lever(points: Array, area: Array) -> Array:
+    """Return x x n dS of a shell's samples.
+
+    Parameters
+    ----------
+    points, area
+        Samples (N, 3) [m] and their area vectors (N, 3) [m^2].
+
+    Returns
+    -------
+    Array
+        Levers (N, 3) [m^3], 0 where they are rounding: of a sphere about its middle.
+    """
+    lever = np.cross(points, area)
+    size = np.linalg.norm(points, axis=1) * np.linalg.norm(area, axis=1)
+    return np.where(np.abs(lever) > _ROUNDING * size[:, None], lever, 0.0)
