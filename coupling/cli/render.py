@@ -40,6 +40,7 @@ def render(
     """
     from coupling.report import VIDEOS, render_picture, render_video
     from coupling.report.window import WindowError, window_of
+    from coupling.scene.scene import load_scene
     from coupling.store.results import read_results
     from coupling.store.run_folder import check_reportable
 
@@ -56,4 +57,4 @@ def render(
     except WindowError as error:
         stop(str(error), ExitStatus.WRONG_INPUT)
     draw = render_video if path.suffix in VIDEOS else render_picture
-    typer.echo(draw(results, path, window))
+    typer.echo(draw(results, path, window, load_scene(folder).tank.shell))

@@ -78,7 +78,7 @@ def worst_instants(folder: Path, row: Row, criterion: str, model: str) -> list[P
         worst = int(np.argmax(CRITERIA[criterion].badness(results, scene)))
         figure = Figure(figsize=(2.4, 2.4))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
-        draw_tank(axes, results, worst, pressure_colours(results, [worst]))
+        draw_tank(axes, results, worst, pressure_colours(results, [worst]), scene.tank.shell)
         thickness = number(1e3 * run["thickness_m"], "mm")
         text = (
             f"R = {number(row['radius_m'], 'm')}, {thickness}, {word}: "

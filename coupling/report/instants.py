@@ -38,7 +38,7 @@ def views(run: RunFiles) -> tuple[list[Picture], Picture]:
     for row in rows:
         figure = Figure(figsize=(2.4, 2.4))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
-        draw_tank(axes, results, row, colours)
+        draw_tank(axes, results, row, colours, run.scene.tank.shell)
         text = f"t = {results.time[row]:.3f} s"
         pictures.append(
             Picture(source=png(figure), caption=text, alt=f"Diaphragm in the tank at {text}")

@@ -13,7 +13,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from coupling.ports import Array
+from cloth.shell.sphere import Sphere
+from coupling.ports import Array, Shell
+from coupling.report.outline import SAMPLES, meridian, outline
 from coupling.report.section_cut import horizontal
 from coupling.report.style import GREY, INK, LIGHT, house_style
 from coupling.report.window import Window, liveliest, rows_within
@@ -26,11 +28,14 @@ _ROUNDING = 1e-12  # of the largest pressure: a p* below it is none
 _LIGHT = np.array([-0.35, -0.55, 0.75])
 
 
-def render_picture(results: Results, path: Path | str, window: Window | None = None) -> Path:
+def render_picture(
+    results: Results, path: Path | str, window: Window | None = None, shell: Shell | None = None
+) -> Path:
     """Write a picture of the diaphragm at three instants of a period, coloured by p*.
 
     The format follows the ending of ``path``. Models without a flow show the hydrostatic pressure.
-    ``window`` [s]: the part of the run to show in place of a period.
+    ``window`` [s]: the part of the run to show in place of a period. ``shell``: the tank's, None
+    for a sphere.
     """
     rows = period_rows(results, 3, window)
     period = last_period_rows(results, len(results.time), window)
@@ -41,7 +46,7 @@ def render_picture(results: Results, path: Path | str, window: Window | None = N
         share = 1.0 / len(rows)
         for column, row in enumerate(rows):
             axes = figure.add_axes((column * share, 0.2, share, 0.8), projection="3d")
-            draw_tank(axes, results, row, colours)
+            draw_tank(axes, results, row, colours, shell)
             draw_cg(axes, results, period, row)
             text = f"t = {results.time[row]:.2f} s"
             figure.text((column + 0.5) * share, 0.2, text, ha="center", color=GREY)
@@ -145,17 +150,28 @@ def seen_from(results: Results) -> tuple[float, float]:
     return float(np.degrees(np.arctan2(along[1], along[0]))) - 90.0 + _TURN, ELEVATION
 
 
-def draw_tank(axes: Any, results: Results, row: int, colours: PressureColours) -> None:
-    """Shell outline and diaphragm at one instant, seen across the direction of shaking."""
-    radius = float(np.linalg.norm(results.reference, axis=1).max())
+def draw_tank(
+    axes: Any,
+    results: Results,
+    row: int,
+    colours: PressureColours,
+    shell: Shell | None = None,
+) -> None:
+    """Shell outline and diaphragm at one instant, seen across the direction of shaking.
+
+    Without a ``shell`` that of the sphere to which the diaphragm is moulded.
+    """
+    shell = shell or Sphere(float(np.linalg.norm(results.reference, axis=1).max()))
+    widest, middle = float(meridian(shell, SAMPLES)[0][:, 0].max()), 0.5 * sum(shell.poles)
+    half = max(widest, 0.5 * (shell.poles[1] - shell.poles[0]))
     azimuth, elevation = seen_from(results)
     axes.set_proj_type("ortho")
     axes.view_init(elev=elevation, azim=azimuth)
     axes.set_axis_off()
     axes.computed_zorder = False  # what is behind what is decided here
-    axes.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-radius, radius))
+    axes.set(xlim=(-half, half), ylim=(-half, half), zlim=(middle - half, middle + half))
     axes.set_box_aspect((1, 1, 1), zoom=1.52)
-    _draw_shell(axes, radius, azimuth)
+    _draw_shell(axes, shell, azimuth)
     corners = results.position[row][results.triangles]
     shown = colours.values[row][results.triangles].mean(axis=1)
     faces = _lit(corners, colours.mappable.to_rgba(shown))
@@ -171,19 +187,18 @@ def draw_cg(axes: Any, results: Results, rows: list[int], row: int) -> None:
     axes.plot(*results.liquid_cg[[row]].T, "o", color=INK, markersize=4.0, zorder=6)
 
 
-def _draw_shell(axes: Any, radius: float, azimuth: float) -> None:
+def _draw_shell(axes: Any, shell: Shell, azimuth: float) -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     turn, tilt = np.radians(azimuth), np.radians(ELEVATION)
-    right = np.array([-np.sin(turn), np.cos(turn), 0.0])
-    up = np.array([-np.sin(tilt) * np.cos(turn), -np.sin(tilt) * np.sin(turn), np.cos(tilt)])
-    outline = radius * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up)
-    axes.plot(*outline.T, color=INK, linewidth=1.1, zorder=4)
-    rim = radius * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    viewer = np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
+    seen = outline(shell, viewer)
+    axes.plot(*seen.T, color=INK, linewidth=1.1, zorder=4)
+    rim = shell.size * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
     towards = rim @ np.array([np.cos(turn), np.sin(turn), 0.0])
     for shown, order in ((towards >= 0.0, 3), (towards <= 0.0, 1)):
         half = np.where(shown[:, None], rim, np.nan)
         axes.plot(*half.T, color=GREY, linewidth=0.9, zorder=order)
-    glass = Poly3DCollection([outline], facecolors=[LIGHT], alpha=0.18)
+    glass = Poly3DCollection([seen], facecolors=[LIGHT], alpha=0.18)
     glass.set_zorder(0)
     axes.add_collection3d(glass)
 

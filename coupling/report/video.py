@@ -17,7 +17,7 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from coupling.ports import RunFailed
+from coupling.ports import RunFailed, Shell
 from coupling.report.picture import (
     PressureColours,
     draw_cg,
@@ -37,12 +37,15 @@ _SECONDS = 4.0  # that it lasts at least
 _DOTS = 100  # an inch: 640 by 800 pixels, of which video formats want even numbers
 
 
-def render_video(results: Results, path: Path | str, window: Window | None = None) -> Path:
+def render_video(
+    results: Results, path: Path | str, window: Window | None = None, shell: Shell | None = None
+) -> Path:
     """Write the last period as a video, ``.mp4`` or ``.gif``, and return its path.
 
     It is slowed down to four seconds where the period is shorter. Coloured by p*; models without a
     flow show the net pressure. A run of less than two periods is shown in its second half, one by
     a record in the ``liveliest`` second, and where a ``window`` [s] is given, that.
+    ``shell``: the tank's, None for a sphere.
 
     Raises
     ------
@@ -65,7 +68,7 @@ def render_video(results: Results, path: Path | str, window: Window | None = Non
             with writer.saving(figure, str(path), _DOTS):
                 for row in rows:
                     figure.clear()
-                    _draw(figure, results, rows, row, colours, window or liveliest(results))
+                    _draw(figure, results, rows, row, colours, window or liveliest(results), shell)
                     writer.grab_frame(facecolor="white")
         except subprocess.CalledProcessError as error:
             raise RunFailed(f"{path}: ffmpeg could not write it. {error.stderr or ''}") from error
@@ -97,9 +100,10 @@ def _draw(
     row: int,
     colours: PressureColours,
     span: Window | None,
+    shell: Shell | None,
 ) -> None:
     axes = figure.add_axes((0.02, 0.25, 0.96, 0.75), projection="3d")
-    draw_tank(axes, results, row, colours)
+    draw_tank(axes, results, row, colours, shell)
     draw_cg(axes, results, rows, row)
     figure.text(0.03, 0.965, f"t = {results.time[row]:.3f} s", fontsize=14, color=INK)
     figure.text(0.97, 0.965, results.model, fontsize=11, color=GREY, ha="right")

@@ -17,16 +17,17 @@ import numpy.typing as npt
 from matplotlib import colormaps
 
 from coupling.fluids import ASSUMED, FLUIDS
-from coupling.ports import Array
+from coupling.ports import Array, Shell
 from coupling.report.files import RunFiles
 from coupling.report.instants import shown_instants, views
+from coupling.report.outline import levels, meridian
 from coupling.report.page import Section
 from coupling.report.picture import DIVERGING, SEQUENTIAL, last_period_rows, seen_from
-from coupling.scene.scene import Scene
 from coupling.store.attitude import body_force
 from coupling.store.results import Results
 
 WHOLE, STATIC, DYNAMIC = "pressure", "hydrostatic", "dynamic"  # quantities of the view
+CORNERS = 181  # of the meridian
 INSTANTS = 60  # at most, of a period
 BYTES = 8_000_000  # of all runs' arrays, before base64 adds a third
 _TOP = 32767  # of a 16 bit integer
@@ -78,6 +79,7 @@ def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str
     results, scene, shell = timed.results, timed.scene, timed.scene.tank.shell
     rows = last_period_rows(results, _affordable(runs))
     pull = body_force(np.array(scene.gravity), results)[rows]
+    pull = pull / np.maximum(np.linalg.norm(pull, axis=1), 1e-300)[:, None]
     axis = int(np.argmax(np.ptp(results.tank_displacement, axis=0)))
     azimuth, elevation = seen_from(results)
     content = {
@@ -87,22 +89,23 @@ def _packed(runs: Sequence[RunFiles], timed: RunFiles, shown: Sequence[tuple[str
         "tank": {
             "axis": "xyz"[axis],
             "displacement": _rounded(results.tank_displacement[rows, axis]),
-            "radius": shell.size,
+            **_shape(shell),
         },
-        "pull": _rounded(pull / np.maximum(np.linalg.norm(pull, axis=1), 1e-300)[:, None]),
-        "level": _level(scene),
+        "pull": _rounded(pull),
+        "levels": _rounded(levels(shell, results.volume[rows], -pull)),
         "camera": {"azimuth": azimuth, "elevation": elevation},
         "colours": {"diverging": _colours(DIVERGING), "sequential": _colours(SEQUENTIAL)},
     }
     return json.dumps(content, separators=(",", ":"), allow_nan=False)
 
 
-def _level(scene: Scene) -> float | None:
-    """Height of the level liquid over the shell's size; None where it is drawn and has no one."""
-    if scene.supply.drawn:
-        return None
-    shell = scene.tank.shell
-    return shell.level_of(scene.liquid_volume, np.array([0.0, 0.0, 1.0])) / shell.size
+def _shape(shell: Shell) -> dict[str, Any]:
+    """The rim's radius [m], points and normals of the meridian, half the extent and its middle."""
+    points, normal = meridian(shell, CORNERS)
+    middle = 0.5 * sum(shell.poles)
+    half = max(float(points[:, 0].max()), shell.poles[1] - middle)
+    profile = np.column_stack([points[:, [0, 2]], normal[:, [0, 2]]])
+    return {"radius": shell.size, "profile": _rounded(profile), "middle": middle, "half": half}
 
 
 def _affordable(runs: Sequence[RunFiles]) -> int:

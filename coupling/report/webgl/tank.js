@@ -41,29 +41,72 @@ function line(geometry, color, opacity = 1) {
   );
 }
 
-function halfShell(radius, from, color, opacity) {
-  const geometry = new THREE.SphereGeometry(radius, 64, 24, 0, 2 * Math.PI, from, Math.PI / 2);
-  geometry.rotateX(Math.PI / 2); // its axis is y, ours z
+// Part of the shell above or below the rim; rows of `profile`: r, z and the normal's r and z.
+function halfShell(profile, upper, color, opacity) {
+  const rows = profile.filter(([, z]) => (upper ? z >= 0 : z <= 0)), around = 64;
+  const points = [], index = [];
+  rows.forEach(([r, z], row) => {
+    for (let k = 0; k <= around; k++) {
+      const angle = (2 * Math.PI * k) / around;
+      points.push(r * Math.cos(angle), r * Math.sin(angle), z);
+      if (row === 0 || k === around) continue;
+      const here = row * (around + 1) + k, before = here - around - 1;
+      index.push(before, before + 1, here, here, before + 1, here + 1);
+    }
+  });
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+  geometry.setIndex(new THREE.BufferAttribute(new Uint16Array(index), 1));
   const material = new THREE.MeshBasicMaterial(
     { color, transparent: true, opacity, depthWrite: false, side: THREE.DoubleSide },
   );
   return new THREE.Mesh(geometry, material);
 }
 
+// The closed curve of the shell where a cos(angle) lean + b z = level, from rows (r, z, a, b) of its
+// meridian; the angle is the azimuth from the direction in which the unit vector (x, y, z) leans.
+function curveOf(rows, { x, y, z }, level) {
+  const lean = Math.max(Math.hypot(x, y), 1e-9), turn = Math.atan2(y, x);
+  const point = (r, angle, height) =>
+    new THREE.Vector3(r * Math.cos(angle + turn), r * Math.sin(angle + turn), height);
+  if (Math.abs(z) < lean) { // two angles to a height
+    const sides = [1, -1].map((side) => rows.flatMap(([r, height, a, b]) => {
+      const cosine = (level - z * b) / (lean * a);
+      return Math.abs(cosine) <= 1 ? [point(r, side * Math.acos(cosine), height)] : [];
+    }));
+    return [...sides[0], ...sides[1].reverse(), ...sides[0].slice(0, 1)];
+  }
+  return Array.from({ length: 129 }, (_, k) => { // a height to an angle
+    const angle = (2 * Math.PI * k) / 128;
+    const beyond = rows.map(([, , a, b]) => a * lean * Math.cos(angle) + b * z - level);
+    const row = beyond.findIndex((value, at) => at > 0 && value * beyond[at - 1] <= 0);
+    if (row < 0) return [];
+    const before = rows[row - 1], span = beyond[row - 1] - beyond[row];
+    const share = span ? beyond[row - 1] / span : 0;
+    const [r, height] = [0, 1].map((c) => before[c] + share * (rows[row][c] - before[c]));
+    return [point(r, angle, height)];
+  }).flat();
+}
+
+function redraw(curve, points) {
+  curve.geometry.dispose();
+  curve.geometry = new THREE.BufferGeometry().setFromPoints(points);
+}
+
 // The scene that one panel draws.
 class Tank {
-  constructor(canvas, radius, level) {
+  constructor(canvas, { radius, profile, middle }) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // colours as the scale has them
     this.scene = new THREE.Scene();
-    this.outline = line(circle(radius), INK);
+    this.scene.position.z = -middle; // the camera turns about the shell's middle
+    this.profile = profile;
+    this.outline = line(new THREE.BufferGeometry(), INK);
     this.free = new THREE.Line(
-      circle(radius * Math.sqrt(1 - level * level)),
+      new THREE.BufferGeometry(),
       new THREE.LineDashedMaterial({ color: BLUE, dashSize: radius / 25, gapSize: radius / 40 }),
     );
-    this.free.computeLineDistances();
-    this.level = level * radius;
-    this.free.visible = level !== null; // liquid that is drawn has no one level
+    this.outline.frustumCulled = this.free.frustumCulled = false; // its bounds would be stale
     this.cg = new THREE.Mesh(
       new THREE.SphereGeometry(0.022 * radius, 16, 12),
       new THREE.MeshBasicMaterial({ color: INK, depthTest: false, transparent: true }),
@@ -82,7 +125,7 @@ class Tank {
     this.scene.add(
       new THREE.AmbientLight(0xffffff, 0.62 * Math.PI), this.light, this.sheet, this.edges,
       this.outline, this.free, this.cg, this.path, line(circle(radius), GREY),
-      halfShell(radius, 0, GREY, 0.03), halfShell(radius, Math.PI / 2, BLUE, 0.06),
+      halfShell(profile, true, GREY, 0.03), halfShell(profile, false, BLUE, 0.06),
     );
   }
 
@@ -99,7 +142,7 @@ class Tank {
   }
 
   // The instant's shape, coloured by `values` between `low` and `high` of `colours`.
-  show(run, values, instant, pull, { low, high, colours }) {
+  show(run, values, instant, pull, level, { low, high, colours }) {
     const { position, color } = this.sheet.geometry.attributes;
     const first = instant * run.nodes;
     position.array.set(run.position.subarray(3 * first, 3 * (first + run.nodes)));
@@ -110,9 +153,9 @@ class Tank {
     }
     position.needsUpdate = color.needsUpdate = true;
     this.cg.position.set(...run.cg[instant]);
-    const down = new THREE.Vector3(...pull);
-    this.free.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, -1), down);
-    this.free.position.copy(down).multiplyScalar(-this.level);
+    const up = new THREE.Vector3(...pull).multiplyScalar(-1);
+    redraw(this.free, curveOf(this.profile.map(([r, z]) => [r, z, r, z]), up, level));
+    this.free.computeLineDistances();
   }
 
   draw(camera) {
@@ -122,7 +165,8 @@ class Tank {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(side, side, false);
     }
-    this.outline.quaternion.copy(camera.quaternion); // the silhouette of a sphere
+    const towards = new THREE.Vector3(0, 0, 1).applyQuaternion(camera.quaternion);
+    redraw(this.outline, curveOf(this.profile, towards, 0));
     this.light.position.set(-0.5, 0.8, 1).applyQuaternion(camera.quaternion);
     this.renderer.render(this.scene, camera);
   }

@@ -15,7 +15,7 @@ class Panel {
   constructor(figure, data, runs, view, changed) {
     Object.assign(this, { figure, runs });
     this.canvas = figure.querySelector("canvas");
-    this.tank = new Tank(this.canvas, data.tank.radius, data.level);
+    this.tank = new Tank(this.canvas, data.tank);
     this.model = figure.querySelector(".viewer-model");
     this.quantity = figure.querySelector(".viewer-quantity");
     for (const { model } of runs) this.model.add(new Option(model, model));
@@ -85,7 +85,7 @@ class Viewer {
 
   // One camera for all panels, so that they turn together.
   setUpCamera() {
-    const half = 1.06 * this.data.tank.radius;
+    const half = 1.06 * this.data.tank.half;
     this.camera = new THREE.OrthographicCamera(-half, half, half, -half, 0, 20 * half);
     this.camera.up.set(0, 0, 1);
     this.controls = this.panels.map(({ canvas }) => {
@@ -111,7 +111,7 @@ class Viewer {
   }
 
   look(azimuth, elevation) {
-    const distance = 10 * this.data.tank.radius, flat = distance * Math.cos(elevation);
+    const distance = 10 * this.data.tank.half, flat = distance * Math.cos(elevation);
     this.camera.position.set(
       flat * Math.cos(azimuth), flat * Math.sin(azimuth), distance * Math.sin(elevation),
     );
@@ -164,7 +164,7 @@ class Viewer {
   }
 
   update() {
-    const { time, tank, pull } = this.data, instant = Number(this.slider.value);
+    const { time, tank, pull, levels } = this.data, instant = Number(this.slider.value);
     const moved = Math.round(1000 * tank.displacement[instant]);
     const text = `t = ${time[instant].toFixed(3)} s, tank at ${tank.axis} = ${moved} mm`
       .replace("-", "−");
@@ -172,7 +172,9 @@ class Viewer {
     this.slider.setAttribute("aria-valuetext", text);
     for (const panel of this.panels) {
       const scale = this.scaleOf(panel);
-      panel.tank.show(panel.run, panel.run[panel.quantity.value], instant, pull[instant], scale);
+      panel.tank.show(
+        panel.run, panel.run[panel.quantity.value], instant, pull[instant], levels[instant], scale,
+      );
       panel.describe(scale);
     }
     this.draw();
