@@ -1,9 +1,8 @@
 """Partitioned fluid-structure interaction of spherical elastomeric diaphragm tanks.
 
 What a program or a notebook needs is here: ``load_scene``, ``run``, ``resume``, ``study``,
-``sweep``, ``design``, ``identify``, ``compare_scan`` and
-``read_results``, and what they return. Each is imported
-when it is first asked for, so that importing the package costs nothing.
+``sweep``, ``design``, ``identify``, ``compare_scan`` and ``read_results``, and what they return.
+Each is imported when it is first asked for, so that importing the package costs nothing.
 """
 
 from __future__ import annotations

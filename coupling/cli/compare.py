@@ -90,7 +90,9 @@ def _print(done: ScanComparison) -> None:
         f"The run's triangles lie {1e3 * table['facet_error_m']:.2g} mm rms off the smooth surface "
         "through their nodes, an error of its grid that no +- holds."
     )
-    print(f"+-: one standard error, by {table['blocks']} blocks of points.")
+    print(
+        "+-: one standard error, had other points been scanned; docs/pages/scans.md says of what."
+    )
     print(f"map: {done.folder / 'compare.csv'}")
     print(f"report: {done.folder / 'compare.html'}")
 

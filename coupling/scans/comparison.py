@@ -78,7 +78,6 @@ def compare_points(scan: Path, unit: str, results: Results, at: float | None = N
             "scan": str(scan),
             "unit": unit,
             "scanned_points": len(points),
-            "blocks": int(blocks.max()) + 1,
             "model": results.model,
             "instant_s": float(results.time[row]),
             "facet_error_m": sheet.facet_error(after.matches),

@@ -4,7 +4,13 @@ Residuals of neighbouring points go together: the scanner's own errors do, and w
 elsewhere it does so over an area. So the points are put into blocks, and the blocks are what is
 taken as independent. What changes over the surface as a whole, as noise does with the slope, is no
 sampling error: blocks are compared with their neighbours alone (successive differences; Wolter,
-Introduction to Variance Estimation, 2nd ed., section 8.2).
+Introduction to Variance Estimation, 2nd ed., section 8.2). Of blocks of three sizes the largest
+error is taken, since it grows with the size as long as residuals reach from block to block
+(Flyvbjerg and Petersen, J. Chemical Physics 91, 1989).
+
+Of independent residuals a mean's error comes out 10 % too large for that, the standard deviation of
+vertical differences, whose noise changes with the slope within blocks, up to twice too large.
+Residuals that go together over 0.1, 0.2 and 0.45 radii leave it 5, 30 and 80 % too small.
 """
 
 from __future__ import annotations
@@ -13,8 +19,9 @@ import numpy as np
 
 from coupling.ports import Array, Ints
 
-MOST = 128  # blocks, 64 pairs of neighbours: errors known to 9 %, a block 0.2 radii wide
+MOST = 128  # blocks, 64 pairs of neighbours, each 0.16 radii wide: errors known to 9 %
 _LEAST_POINTS = 10  # a block
+_SIZES, _LEAST_BLOCKS = 3, 32  # sizes of blocks, each of two of the former, and the fewest of them
 
 
 def blocks_of(points: Array) -> Ints:
@@ -41,10 +48,15 @@ def blocks_of(points: Array) -> Ints:
 def mean_error(influence: Array, blocks: Ints) -> float:
     """Return the standard error of a figure from the ``influence`` (p,) of each point on it.
 
-    The figure is, to first order, the mean of its influences, which sum to zero. ``blocks`` (p,).
+    The figure is, to first order, the mean of its influences, which sum to zero. ``blocks`` (p,):
+    pairs of neighbours, and so are pairs of these.
     """
     sums = np.bincount(blocks, influence, minlength=int(blocks.max()) + 1)
-    return float(np.linalg.norm(sums[0::2] - sums[1::2])) / len(influence)
+    scatter = [float(np.linalg.norm(sums[0::2] - sums[1::2]))]
+    while len(scatter) < _SIZES and len(sums) >= 2 * _LEAST_BLOCKS:
+        sums = sums[0::2] + sums[1::2]
+        scatter.append(float(np.linalg.norm(sums[0::2] - sums[1::2])))
+    return max(scatter) / len(influence)
 
 
 def largest_error(values: Array, blocks: Ints) -> float:

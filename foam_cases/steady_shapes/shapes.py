@@ -24,7 +24,7 @@ from coupling.scans.sheet import STEEPEST
 from foam_cases.steady_shapes.made_scan import NOISE, MadeScan, made_scan
 
 HERE = Path(__file__).resolve().parent
-FILLS = (0.1, 0.2, 0.3, 0.4, 0.5)
+FILLS = (0.1, 0.2, 0.3, 0.4)
 SEEDS = range(4)
 OUT = Path("runs") / "steady_shapes"
 HEADS = ("fill_fraction", "figure", "known", "found", "standard_error", "off_rms")
