@@ -106,6 +106,7 @@ def _has_theory(scene: Scene) -> bool:
     return (
         motion.kind == "sine"
         and bool(motion.amplitude)
+        and not motion.angle
         and scene.tank.shape == "sphere"
         and scene.tank.clamp_height == 0.0
         and not scene.carrier.free

@@ -36,6 +36,8 @@ def motion_table(run: RunFiles) -> Table:
     )
     head = ["", *_heads("CG (mm)", cg), *_heads("force (N)", force), "moment (N m)", "phase (°)"]
     note = f"{how} The moment is about the tank’s centre."
+    if run.results.steps.tank_rotation.any():
+        note += " The tank turns: all of it is in the tank’s own axes, and so are the pictures."
     if cg.get("transient") or force.get("transient"):
         note += (
             " ‡ transient: from the last period but one to the last the harmonic changed by more "
