@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from coupling.ports import Array
+from coupling.ports import Array, Ints
 
 
 class RateAttitude:
@@ -23,27 +23,26 @@ class RateAttitude:
         self._time, self._rates = time, rates
         self._slope = np.diff(rates, axis=0) / np.diff(time)[:, None]
         turns = _magnus(rates[:-1], self._slope, np.diff(time)[:, None])
-        at = Rotation.identity()
-        found = [at]
-        for turn in Rotation.from_rotvec(turns):
-            at = at * turn
-            found.append(at)
-        self._knots = Rotation.concatenate(found)
+        self._knots = _products(Rotation.from_rotvec(np.vstack([np.zeros(3), turns])))
         self._knots = self._at(0.0).inv() * self._knots
 
-    def _at(self, time: float) -> Rotation:
+    def _at(self, time: Array | float) -> Rotation:
         piece = self._piece(time)
-        since = time - self._time[piece]
+        since = np.asarray(time - self._time[piece])[..., None]
         turn = _magnus(self._rates[piece], self._slope[piece], since)
         return self._knots[piece] * Rotation.from_rotvec(turn)
 
-    def _piece(self, time: float) -> int:
-        place = int(np.searchsorted(self._time, time, side="right")) - 1
-        return min(max(place, 0), len(self._slope) - 1)
+    def _piece(self, time: Array | float) -> Ints:
+        place = np.searchsorted(self._time, time, side="right") - 1
+        return np.clip(place, 0, len(self._slope) - 1)
 
     def matrix(self, time: float) -> Array:
         """Integrated from time 0."""
         return np.asarray(self._at(time).as_matrix())
+
+    def matrices(self, times: Array) -> Array:
+        """R (k, 3, 3) at ``times`` (k,) [s]."""
+        return np.asarray(self._at(times).as_matrix())
 
     def rate(self, time: float) -> Array:
         """Interpolated."""
@@ -54,6 +53,15 @@ class RateAttitude:
     def acceleration(self, time: float) -> Array:
         """Of the line between the samples."""
         return np.asarray(self._slope[self._piece(time)])
+
+
+def _products(turns: Rotation) -> Rotation:
+    """Return the products of the first, the first two, ... of ``turns``, doubling their spans."""
+    found, span = turns, 1
+    while span < len(turns):
+        found = Rotation.concatenate([found[:span], found[:-span] * found[span:]])
+        span *= 2
+    return found
 
 
 def _magnus(rate: Array, slope: Array, length: Array | float) -> Array:
@@ -78,6 +86,10 @@ class AngleAttitude:
     def matrix(self, time: float) -> Array:
         """Of the spline."""
         return np.asarray(self._spline(time).as_matrix())
+
+    def matrices(self, times: Array) -> Array:
+        """R (k, 3, 3) at ``times`` (k,) [s]."""
+        return np.asarray(self._spline(times).as_matrix())
 
     def rate(self, time: float) -> Array:
         """Of the spline."""

@@ -57,7 +57,7 @@ class TableMotion:
 
 
 @lru_cache(maxsize=2)  # a run asks for the same record again and again
-def _attitude_of(table: MotionTable) -> Attitude | None:
+def _attitude_of(table: MotionTable) -> RateAttitude | AngleAttitude | None:
     if table.rates is not None:
         return RateAttitude(table.time, table.rates)
     return None if table.angles is None else AngleAttitude(table.time, table.angles)
@@ -72,8 +72,8 @@ def _unturned(table: MotionTable, at_rest: tuple[float, float, float]) -> Motion
     """
     turning = _attitude_of(table)
     assert turning is not None
-    turned = [turning.matrix(t) @ a for t, a in zip(table.time, table.acceleration, strict=True)]
-    return replace(table, acceleration=np.array(turned)).less(at_rest)
+    turned = np.einsum("kij,kj->ki", turning.matrices(table.time), table.acceleration)
+    return replace(table, acceleration=turned).less(at_rest)
 
 
 class Table(MotionKind):
@@ -140,9 +140,11 @@ class Table(MotionKind):
 
     def _upside_down(self, section: Motion, time: Array) -> list[str]:
         """Whether the tank lies on its side or worse at one of the times (k,) [s]."""
-        turning = self.attitude(section)
-        over = [t for t in time if turning is not None and turning.matrix(t)[2, 2] <= 0.0]
-        if not over:
+        turning = _attitude_of(section.record)
+        if turning is None:
+            return []
+        over = time[turning.matrices(time)[:, 2, 2] <= 0.0]
+        if not len(over):
             return []
         return [
             f"motion.file: {section.file}: turns the tank by 90 degrees or more, first at "
@@ -157,12 +159,11 @@ class Table(MotionKind):
 
     def characteristic_frequency(self, section: Motion) -> float:
         """That of the record; with rotation that of the body force, of which a tilt is a part."""
-        table, turning = self._unturned(section), self.attitude(section)
+        table, turning = self._unturned(section), _attitude_of(section.record)
         if turning is None:
             return table.characteristic_frequency
-        down = np.array([0.0, 0.0, -GRAVITY])
-        pairs = zip(table.time, table.acceleration, strict=True)
-        felt = np.array([(down - a) @ turning.matrix(t) for t, a in pairs])
+        body = np.array([0.0, 0.0, -GRAVITY]) - table.acceleration
+        felt = np.einsum("kij,ki->kj", turning.matrices(table.time), body)
         return replace(table, acceleration=felt).characteristic_frequency
 
     def peak_accelerations(self, section: Motion) -> Array:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from coupling.motion.attitude import AngleAttitude, RateAttitude
 from coupling.motion.frame import frame_of
 from coupling.motion.lever import LeverMotion
+from coupling.motion.record_summary import record_summary
 from coupling.motion.sine import SineAttitude, SineMotion
 from coupling.motion.table import TABLE
 from coupling.scene.motion_table import read_motion_table
@@ -281,3 +282,26 @@ def test_a_sine_needs_an_amplitude_or_an_angle_and_an_axis(tmp_path: Path):
     assert "turns the tank by 90 degrees or more, first at 0.8 s" in refused(
         {"kind": "table", "file": str(over)}
     )
+
+
+def test_the_thesis_grid_turns_no_tank():
+    """A sine about an axis with it is refused before anything starts."""
+    data = {
+        "tank": {"radius": 0.4445}, "diaphragm": {"thickness": 0.0018, "material": "AF-E-332"},
+        "liquid": {"name": "water", "fill_fraction": 0.8}, "model": {"fluid": "datum"},
+        "cloth": {"grid": "thesis", "resolution": 26}, "time": {"duration": 0.1, "step": 0.001},
+        "motion": {"kind": "sine", "frequency": 1.0, "amplitude": 0.01},
+    }  # fmt: skip
+    assert scene_from(data).motion.angle is None
+    with pytest.raises(SceneError, match=r'cloth.grid: "thesis" computes no tank that turns'):
+        scene_from(data | {"motion": data["motion"] | {"angle": 5.0}})
+
+
+def test_what_is_known_of_a_record_says_how_far_it_turns(tmp_path: Path):
+    """0.2 rad/s about x and y for 0.505 s, as the lines have it: 0.1428 rad, all of it a tilt."""
+    time = np.linspace(0.0, 1.0, 101)
+    rates = np.outer(np.where(time <= 0.5, 0.2, 0.0), [1.0, 1.0, 0.0])
+    file = written(tmp_path, HEAD + ",wx (rad/s),wy (rad/s),wz (rad/s)", time, still(101), rates)
+    summary = record_summary(scene({"kind": "table", "file": str(file)}))
+    assert summary is not None
+    assert "it turns the tank by up to 8.18 degrees, and tilts it by up to 8.18" in summary.says
