@@ -93,6 +93,21 @@ def test_pitch_about_a_distant_axis_keeps_newtons_law_and_the_energy(tmp_path: P
     assert named == pytest.approx(last["dissipated"], rel=0.08)
 
 
+def test_friction_holds_on_to_the_turning_shell(tmp_path: Path):
+    """By 6 degrees about z the shell passes 47 mm below a sheet that would stay behind.
+
+    A sheet that sticks is there to the inner iteration's 1e-5 of the radius in every step.
+    """
+    scene = scene_of(
+        {"kind": "sine", "frequency": 1.25, "angle": 10.0, "axis": [0.0, 0.0, 1.0], "ramp": 0.5},
+        fluid="hydrostatic", diaphragm={"friction_shell": 0.4}, time={"duration": 0.4},
+    )  # fmt: skip
+    results = done(scene, tmp_path / "run")
+    assert np.abs(results.steps.tank_rotation[:, 2]).max() > np.radians(6.0)
+    assert results.shell_pressure[-1].max() > 100.0  # Pa: it lies on the shell
+    assert results.shell_slip[-1].max() < 20 * 1e-5 * 0.4445
+
+
 def test_a_turning_run_goes_on_bit_for_bit(tmp_path: Path):
     scene = scene_of(PITCH, fluid="potential", rings=6,
                      time={"duration": 0.3, "checkpoint_every": 5})  # fmt: skip
