@@ -35,6 +35,7 @@ class Pull:
     volume: float | None = None
     datum: float | None = 0.0
     turn: Turn | None = None
+    recoil: None = None
 
 
 def free(rings: int, settings: Settings, **options) -> Cloth:
