@@ -90,9 +90,7 @@ def _print(done: ScanComparison) -> None:
         f"The run's triangles lie {1e3 * table['facet_error_m']:.2g} mm rms off the smooth surface "
         "through their nodes, an error of its grid that no +- holds."
     )
-    print(
-        "+-: one standard error, had other points been scanned; docs/pages/scans.md says of what."
-    )
+    print("+-: one standard error, by which a figure differs had other points been scanned.")
     print(f"map: {done.folder / 'compare.csv'}")
     print(f"report: {done.folder / 'compare.html'}")
 

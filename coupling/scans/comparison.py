@@ -137,8 +137,8 @@ def _remarks(alignment: Alignment, size: float, number: int, after: Measured) ->
     unknown = [_SAID[name] for name in AXES if not known[name]]
     if unknown:
         found.append(
-            f"The surface does not determine {', '.join(unknown)}: it looks the same after it, so "
-            "no figure is given."
+            f"The surface does not determine {', '.join(unknown)}: it shows no more of it than its "
+            "grid's triangles add, so no figure is given and that is left as scanned."
         )
     if alignment.as_good:
         others = ", ".join(f"{np.degrees(one):.1f}" for one in alignment.as_good)
