@@ -18,11 +18,11 @@ def material_interpolation(moulded: Array, triangles: Ints, places: Array) -> cs
     Parameters
     ----------
     moulded
-        Moulded nodes (n, 3) [m] of a hemisphere about the origin, closed up to its rim.
+        Moulded nodes (n, 3) [m] of a sheet that rays from the origin meet once, up to its rim.
     triangles
         Nodes of each triangle (m, 3).
     places
-        Points (k, 3) [m] on the same hemisphere, none at the origin.
+        Points (k, 3) [m] of the same moulded shape, none at the origin.
 
     Returns
     -------
@@ -31,7 +31,7 @@ def material_interpolation(moulded: Array, triangles: Ints, places: Array) -> cs
 
     Notes
     -----
-    Either mesh may be moulded above the equator or below it, as the thesis' grid is: a material
+    Either mesh may be moulded above the rim or below it, as the thesis' grid is: a material
     point is given by its azimuth and its angle from the pole.
 
     Linear in the triangle that the ray from the origin through the point meets, which is exact for

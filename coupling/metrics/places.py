@@ -10,8 +10,9 @@ from coupling.ports import Array
 def mould_angles(reference: Array) -> tuple[Array, Array]:
     """Return the polar angle from the pole and the azimuth from x, each (...) [rad].
 
-    ``reference`` (..., 3) [m]: moulded points. The pole is that of the half space, upper or lower,
-    in which they lie.
+    ``reference`` (..., 3) [m]: moulded points, seen from the middle of the rim; of a hemisphere
+    that is the arc length's share of 90 degrees as well. The pole is that of the half space, upper
+    or lower, in which they lie.
     """
     x, y, z = np.moveaxis(reference, -1, 0)
     return np.arctan2(np.hypot(x, y), np.abs(z)), np.arctan2(y, x)

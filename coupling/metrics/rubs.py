@@ -41,7 +41,7 @@ def rub(gathered: Array, reference: Array, triangles: Ints, least: float) -> Rub
     gathered
         Distance that each node has slid (n,) [m], or its work per area [J/m^2].
     reference
-        Nodes of the moulded hemisphere about the origin (n, 3) [m], its pole on the z axis.
+        Nodes of the moulded sheet (n, 3) [m], its pole on the z axis.
     triangles
         Nodes of each triangle (m, 3).
     least

@@ -13,7 +13,7 @@ _NOTE = (
     "A fold is a ridge: a maximum of the larger principal curvature along a ring of the grid, that "
     "rises by more than 1/R above its sides; the ring with most counts. Folded over is rubber "
     "whose normal has turned by more than 90° from the moulded one, 71\u202f% of a wholly everted "
-    "diaphragm."
+    "hemisphere."
 )
 
 
@@ -69,7 +69,7 @@ def _curvature_map(run: RunFiles, folds: dict[str, Any]) -> list[Picture]:
     sharpness = FoldFinder(results.reference, results.triangles).sharpness(results.position[-1])
     text = (
         "Where it is bent at the end of the run: thickness over the radius of curvature, the "
-        "sharper one. The moulded hemisphere unrolled. Ring: the sharpest."
+        "sharper one. The moulded shape unrolled. Ring: the sharpest."
     )
     source = mould_map(results, run.scene.diaphragm.thickness * sharpness, "thickness / radius")
     return [Picture(source=source, caption=text, alt=text)]

@@ -1,4 +1,4 @@
-"""Where the rubber has rubbed: the moulded hemisphere unrolled, and the shell."""
+"""Where the rubber has rubbed: the moulded shape unrolled, and the shell."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from coupling.store.results import Results
 _DPI = 200  # of the colours, which are an image; lines and letters are not
 _LABELS = np.array([np.cos(np.radians(67.5)), np.sin(np.radians(67.5))])  # between two lines
 _UNROLLED = (
-    "from the start to the end of the run. The moulded hemisphere unrolled: its pole in "
+    "from the start to the end of the run. The moulded shape unrolled: its pole in "
     "the middle, its rim outside, azimuth from x to y. Ring: the largest."
 )
 _WAY = (1e3, "way slid (mm)", f"way slid {_UNROLLED}")

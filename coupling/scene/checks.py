@@ -152,6 +152,11 @@ def _check_grid(scene: Scene) -> list[str]:
             f'tank.shape: must be "sphere" for cloth.grid = "thesis", got "{scene.tank.shape}". '
             'Take cloth.grid = "rings" for another shape.'
         )
+    if scene.tank.clamp_height != 0.0:
+        problems.append(
+            'tank.clamp_height: must be 0 for cloth.grid = "thesis", got '
+            f'{scene.tank.clamp_height:g}. Leave it out, or take cloth.grid = "rings".'
+        )
     if scene.cloth.resolution % 2:
         problems.append(
             f'cloth.resolution: must be even for cloth.grid = "thesis", got '

@@ -95,7 +95,7 @@ class Diaphragm(Section):
 
     Either ``material`` or the numbers; a number given beside a material overrides it. Nothing
     breaks at ``strength``: it is there to be compared with the tension. With a ``thickness_map``,
-    ``thickness`` is left out and stands for the map's mean over the moulded area. With ridges it
+    ``thickness`` is left out and stands for the map's mean over a hemisphere's area. With ridges it
     is that of the rubber between them. A hinged rim
     turns freely, as the thesis' simple support does; a clamped one holds the moulded slope.
     """

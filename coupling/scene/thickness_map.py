@@ -23,7 +23,10 @@ _COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ThicknessMap:
-    """Bilinear between a grid of angles on the moulded hemisphere, closed round the pole's axis.
+    """Bilinear between a grid of angles on the moulded shape, closed round the pole's axis.
+
+    On the unit hemisphere of the mould's chart: the polar angle is 90 degrees times the arc length
+    from the pole over the meridian's; of a hemisphere that is its own angle.
 
     ``polar`` (p,) [rad], increasing from 0 at the pole to pi/2 at the rim; ``azimuth`` (a,) [rad],
     increasing in [0, 2 pi), from x to y, a single one for a map that is the same all round;
@@ -54,7 +57,7 @@ class ThicknessMap:
 
     @property
     def mean(self) -> float:
-        """Of the moulded area [m]: exact for the bilinear map."""
+        """Of a hemisphere's area [m]: exact for the bilinear map."""
         a, b = self.polar[:-1], self.polar[1:]
         # Of the integral of sin over [a, b], what belongs to the hat function of b.
         upper = (np.sin(b) - np.sin(a)) / (b - a) - np.cos(b)
