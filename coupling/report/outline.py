@@ -24,7 +24,7 @@ def meridian(shell: Shell, count: int) -> tuple[Array, Array]:
 def levels(shell: Shell, volume: Array, up: Array) -> Array:
     """Return the heights (k,) [m] above the origin, along each ``up``, of a level liquid.
 
-    For pictures: by ``SAMPLES`` slices of the shell, whose volumes miss 1e-5 of it.
+    For pictures: by ``SAMPLES`` slices of the shell, a twentieth of which it misses at most.
 
     Parameters
     ----------
@@ -35,14 +35,16 @@ def levels(shell: Shell, volume: Array, up: Array) -> Array:
     """
     points, _ = meridian(shell, SAMPLES)
     r, z = 0.5 * (points[1:, 0] + points[:-1, 0]), 0.5 * (points[1:, 2] + points[:-1, 2])
-    slices = r**2 * np.diff(points[:, 2])
-    lean = np.maximum(np.hypot(up[:, 0], up[:, 1]), 1e-12)[:, None]
+    thick = np.diff(points[:, 2])
+    slices = r**2 * thick
+    # what a slice spans along ``up``: its chords, at the least half its thickness
+    span = np.maximum(np.hypot(up[:, :1], up[:, 1:2]) * r, 0.5 * np.abs(thick))
     wanted = volume / shell.volume * np.pi * slices.sum()
     reach = float(np.hypot(points[:, 0], points[:, 2]).max())
     low, high = np.full(len(up), -reach), np.full(len(up), reach)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        chord = np.clip((middle[:, None] - up[:, 2:] * z) / (lean * r), -1.0, 1.0)
+        chord = np.clip((middle[:, None] - up[:, 2:] * z) / span, -1.0, 1.0)
         share = np.pi - np.arccos(chord) + chord * np.sqrt(1.0 - chord**2)
         below = share @ slices < wanted
         low, high = np.where(below, middle, low), np.where(below, high, middle)
