@@ -234,12 +234,12 @@ def iterate(
 def _parted(run: Iteration, most: int) -> Solution:
     """The end of ``run`` after at most ``most`` iterations, with planes for all that touches.
 
-    It ends without having converged once as many iterations as the run had before have not halved
-    what is left.
+    It ends without having converged once as many iterations as the run had before, and no fewer
+    than ``PATIENCE``, have not halved what is left: at the slowest contraction that takes 35.
     """
-    solution, before = run.finish(), run.done
-    best, since = solution.change, before
-    while run.done < most and not solution.converged and run.done - since < before:
+    solution, patience = run.finish(), max(run.done, PATIENCE)
+    best, since = solution.change, run.done
+    while run.done < most and not solution.converged and run.done - since < patience:
         if not solution.admissible:
             run.look()
         for _ in range(CONTACT_EVERY):
