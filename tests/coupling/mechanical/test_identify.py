@@ -11,6 +11,7 @@ import coupling
 from coupling.mechanical.plan import conditions, with_runs
 from coupling.mechanical.recording import directions
 from coupling.scene.scene import SceneError, load_scene
+from foam_cases.free_tank import frequencies
 
 CASE = Path(__file__).parents[3] / "foam_cases" / "mechanical_model"
 COARSE = {"cloth.resolution": 6, "potential.degree": 4, "time.step": 0.03}
@@ -125,3 +126,22 @@ def test_runs_shake_along_the_scenes_direction(tmp_path: Path):
     assert np.abs(record.acceleration[:, [0, 2]]).max() == 0.0
     assert np.abs(record.acceleration[:, 1]).max() > 0.0
     assert [run.name for run in runs if run.fits] == ["sweep_up", "sweep_down"]
+
+
+def test_a_free_tank_on_springs_has_the_frequencies_of_masses_on_springs(identified, tmp_path):
+    """Within 2 %, of which the step's (omega step)^2/3 is 0.7 at most; of a light tank."""
+    (row,) = identified.table["rows"]
+    scene = load_scene(
+        CASE.parent / "free_tank",
+        COARSE | {"time.step": 0.015, "time.duration": 6.0, "time.output_every": 100},
+    )
+    coupling.run(scene, tmp_path / "free", report=False)
+    steps = coupling.read_results(tmp_path / "free").steps
+    formula, share = frequencies.by_model(row, frequencies.masses_of(scene), 4000.0)
+    free = steps.time > frequencies.PUSHED
+    moved = steps.tank_displacement[free, 0]
+    found, _, missed = frequencies.by_run(steps.time[free], moved, formula)
+    assert len(formula) >= 2
+    assert (share[:2] > 0.2).all()
+    assert found[:2] == pytest.approx(formula[:2], rel=0.02)
+    assert missed < 0.05
