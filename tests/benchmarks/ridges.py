@@ -93,7 +93,7 @@ def _crossings(x: Array, y: Array, value: float) -> list[float]:
 
 def means(scene: Scene) -> tuple[float, float]:
     """Mean thickness and the cube root of the mean of its cube [m], of the moulded area."""
-    mesh = moulded(scene.tank.mould, 64)
+    mesh = moulded(scene.mould, 64)
     thickness = scene.thickness_at(mesh.points[mesh.triangles].mean(axis=1))
     _, areas = rest_gradients(mesh.points, mesh.triangles)
     assert thickness is not None
