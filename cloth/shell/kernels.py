@@ -17,45 +17,9 @@ import numpy as np
 
 from cloth.arrays import Array
 from cloth.compiled import compiled
+from cloth.shell.nearest import nearest_on
 
 FLAT = 1e-9  # curvature times distance, below which a surface is taken for flat
-
-
-@compiled
-def nearest_on(profile: Array, r: float, z: float) -> tuple[float, float, float, float, float]:
-    """Return the nearest point of a meridian to (``r``, ``z``) [m], the normal and curvature there.
-
-    As r and z [m], the outward normal's r and z, and the curvature [1/m]. Of two points as near the
-    first.
-    """
-    best, found = math.inf, (0.0, 0.0, 0.0, 0.0, 0.0)
-    for k in range(profile.shape[0]):
-        r0, z0, r1, z1 = profile[k, 0], profile[k, 1], profile[k, 2], profile[k, 3]
-        a, b, radius = profile[k, 4], profile[k, 5], profile[k, 6]
-        if radius == 0.0:
-            tr, tz = r1 - r0, z1 - z0
-            share = ((r - r0) * tr + (z - z0) * tz) / (tr * tr + tz * tz)
-            share = min(1.0, max(0.0, share))
-            pr, pz = r0 + share * tr, z0 + share * tz
-            length = math.sqrt(tr * tr + tz * tz)
-            nr, nz, bend = tz / length, -tr / length, 0.0
-        else:
-            turn = 1.0 if radius > 0.0 else -1.0
-            nr, nz = r - a, z - b
-            after = turn * ((r0 - a) * nz - (z0 - b) * nr) >= 0.0
-            before = turn * (nr * (z1 - b) - nz * (r1 - a)) >= 0.0
-            if not (after and before):
-                first = (r - r0) ** 2 + (z - z0) ** 2 <= (r - r1) ** 2 + (z - z1) ** 2
-                nr, nz = (r0 - a, z0 - b) if first else (r1 - a, z1 - b)
-            length = math.sqrt(nr * nr + nz * nz)
-            if length == 0.0:  # at the centre, from which all of the arc is as near
-                nr, nz, length = r0 - a, z0 - b, turn * radius
-            nr, nz, bend = turn * nr / length, turn * nz / length, 1.0 / radius
-            pr, pz = a + radius * nr, b + radius * nz
-        square = (r - pr) ** 2 + (z - pz) ** 2
-        if square < best:
-            best, found = square, (pr, pz, nr, nz, bend)
-    return found
 
 
 @compiled
