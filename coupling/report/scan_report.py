@@ -92,8 +92,8 @@ def _alignment(motion: Mapping[str, Any]) -> Table:
     rows.append(["Explained of the mean square (%)", _told(motion["explained"], 100.0)])
     note = (
         "What moves the scan onto the run: first the rotation about the tank's axis, then the tilt "
-        "and the shift, about the tank's centre. A rotation that is determined was looked for all "
-        "around."
+        "and the shift, about the tank's centre. It was looked for from azimuths all "
+        "around, where the surface determines one."
     )
     return Table(head=["Motion", ""], rows=rows, note=note)
 
