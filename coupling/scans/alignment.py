@@ -40,15 +40,15 @@ class Alignment:
         Of each point on the motion (p, 6) [m]: to first order the motion is in error by their mean.
     as_good
         Other azimuths [rad] that fit no worse than the error of the fit, of larger turns.
-    converged
-        Whether the iteration came to rest.
+    left
+        How far [m] the last iteration still moved: the norm of ``rates``' motion.
     """
 
     pose: Pose
     basis: Array
     influence: Array
     as_good: tuple[float, ...]
-    converged: bool
+    left: float
 
 
 def align(sheet: Sheet, points: Array, size: float) -> Alignment:
@@ -76,17 +76,17 @@ def align(sheet: Sheet, points: Array, size: float) -> Alignment:
         basis=basis,
         influence=influence * (len(points) / len(many)),
         as_good=tuple(one.pose.azimuth for one in others),
-        converged=best.converged,
+        left=best.left,
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """A pose, the squares (p,) [m^2] of the distances that it leaves, and if it was found."""
+    """A pose, the squares (p,) [m^2] of the distances that it leaves, its last motion [m]."""
 
     pose: Pose
     squares: Array
-    converged: bool
+    left: float
 
 
 def _fits(
@@ -95,9 +95,9 @@ def _fits(
     """Fit to ``points`` (p, 3) from each of ``starts``, with ``most`` iterations."""
     fits = []
     for start in starts:
-        pose, converged = _fit(sheet, points, start, basis, size, most)
+        pose, left = _fit(sheet, points, start, basis, size, most)
         squares = sheet.match(pose.moved(points)).distance ** 2
-        fits.append(_Fit(pose=pose, squares=squares, converged=converged))
+        fits.append(_Fit(pose=pose, squares=squares, left=left))
     return fits
 
 
@@ -118,19 +118,19 @@ def _one_each(fits: list[_Fit]) -> list[_Fit]:
 
 def _fit(
     sheet: Sheet, points: Array, start: Pose, basis: Array, size: float, most: int
-) -> tuple[Pose, bool]:
-    """The pose at which the mean square distance is least near ``start``, and if it was found."""
-    pose = start
+) -> tuple[Pose, float]:
+    """The pose at which the mean square distance is least near ``start``, and its last motion."""
+    pose, left = start, np.inf
     for _ in range(most):
         moved = pose.moved(points)
         matches = sheet.match(moved)
         inside = ~matches.beyond
         slopes = rates(moved[inside], matches.way[inside], size) @ basis
         motion = basis @ np.linalg.lstsq(slopes, -matches.distance[inside], rcond=None)[0]
-        pose = pose.then(motion, size)
-        if np.linalg.norm(motion) < _SMALL * size:
-            return pose, True
-    return pose, False
+        pose, left = pose.then(motion, size), float(np.linalg.norm(motion))
+        if left < _SMALL * size:
+            break
+    return pose, left
 
 
 def _influence(sheet: Sheet, moved: Array, basis: Array, size: float) -> Array:

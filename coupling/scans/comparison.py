@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from coupling.ports import Array
+from coupling.ports import Array, Ints
 from coupling.scans.alignment import Alignment, align
 from coupling.scans.errors import ScanError
 from coupling.scans.node_map import node_means
@@ -30,6 +30,8 @@ _SAID = {
     "azimuth": "the rotation about the tank's axis",
 }
 _LARGE_SHIFT, _LARGE_TILT = 0.1, np.radians(10.0)  # of the radius, of a motion that is not small
+_AT_REST = 0.1  # of the motion's own error: a last motion that is no matter
+_ROUNDED = 1e-6  # of the radius, at which the iteration ends
 _FEW_INSIDE = 0.5  # of the points: fewer with a counterpart are said
 
 
@@ -85,7 +87,7 @@ def compare_points(scan: Path, unit: str, results: Results, at: float | None = N
             "aligned": _columns(after),
             "alignment": _motion(alignment, size, blocks)
             | {"explained": asdict(explained(before, after, blocks, size))},
-            "remarks": _remarks(alignment, size, len(points), after),
+            "remarks": _remarks(alignment, size, blocks, after),
         },
         nodes=_nodes(sheet, results.reference, before, after),
     )
@@ -110,7 +112,7 @@ def _columns(measured: Measured) -> dict[str, Any]:
     }
 
 
-def _motion(alignment: Alignment, size: float, blocks: Any) -> dict[str, Any]:
+def _motion(alignment: Alignment, size: float, blocks: Ints) -> dict[str, Any]:
     """The motion that takes the scan onto the run, null for what the surface does not determine."""
     pose, known = alignment.pose, names_known(alignment.basis)
     values = [*pose.shift, *np.degrees(pose.tilt), np.degrees(pose.azimuth)]
@@ -126,11 +128,11 @@ def _motion(alignment: Alignment, size: float, blocks: Any) -> dict[str, Any]:
         "rotation": pose.rotation.tolist(),
         "shift": pose.shift.tolist(),
         "azimuths_as_good_deg": [float(np.degrees(one)) for one in alignment.as_good],
-        "converged": alignment.converged,
+        "last_motion_m": alignment.left,
     }
 
 
-def _remarks(alignment: Alignment, size: float, number: int, after: Measured) -> list[str]:
+def _remarks(alignment: Alignment, size: float, blocks: Ints, after: Measured) -> list[str]:
     """What a reader has to know of the figures."""
     known, pose = names_known(alignment.basis), alignment.pose
     found = []
@@ -146,14 +148,19 @@ def _remarks(alignment: Alignment, size: float, number: int, after: Measured) ->
             f"Rotations by {others} degrees fit as well within the error of the fit; the least one "
             "is taken."
         )
-    if not alignment.converged:
-        found.append("The alignment did not come to rest: its figures are not to be relied on.")
+    errors = [mean_error(each, blocks) for each in alignment.influence.T]
+    error = float(np.linalg.norm(errors))
+    if alignment.left > max(_AT_REST * error, _ROUNDED * size):
+        found.append(
+            "The alignment did not come to rest: it still moves by "
+            f"{1e3 * alignment.left:.2g} mm an iteration, for an error of {1e3 * error:.2g} mm."
+        )
     if np.linalg.norm(pose.shift) > _LARGE_SHIFT * size or np.linalg.norm(pose.tilt) > _LARGE_TILT:
         found.append(
             "The motion is not small (a tenth of the radius, 10 degrees of tilt): see whether the "
             "scan is in the tank's frame."
         )
-    if after.counts["points"] < _FEW_INSIDE * number:
+    if after.counts["points"] < _FEW_INSIDE * len(blocks):
         found.append("Most of the scan lies beyond the diaphragm's rim and is left out.")
     return found
 

@@ -38,7 +38,7 @@ def test_a_folded_diaphragm_is_found_at_any_azimuth(seed: int, azimuth: float) -
     assert shift < SHIFT
     assert turn < TURN
     assert all(names_known(found.basis).values())
-    assert found.converged
+    assert found.left < 1e-6 * sheets.RADIUS
     assert not found.as_good
 
 
