@@ -18,6 +18,7 @@ from coupling.estimate.strength import burst_warning
 from coupling.fluids import FLUIDS
 from coupling.motion.record_summary import RecordSummary
 from coupling.scene.scene import Scene
+from coupling.scene.supply import drawing
 from coupling.verify import VerifyResult
 
 
@@ -167,7 +168,7 @@ def print_check(
         print(f"{record.says}.")
         for warning in record.warnings:
             print(f"warning: {warning}")
-    for said in (burst_warning(scene), scene.time.beyond):
+    for said in (burst_warning(scene), scene.time.beyond, drawing(scene)):
         if said:
             print(said)
     print(f"advised: {choice.fluid} (the scene says {scene.model.fluid}). {choice.reason}.")

@@ -63,6 +63,23 @@ def film_fraction(scene: Scene) -> float:
     return (0.5 * spacing / scene.tank.shell.size) ** 2
 
 
+def drawing(scene: Scene) -> str:
+    """How fast liquid is drawn, in words; empty where none is."""
+    end, duration = scene.supply.end_fill_fraction, scene.supply.duration
+    if end is None or duration is None:
+        return ""
+    share = scene.liquid.fill_fraction - end
+    gravity = math.hypot(*scene.gravity)
+    damped = scene.cloth.fold_damping * math.sqrt(scene.tank.shell.size / gravity)
+    text = (
+        f"Liquid is drawn at {share * scene.tank.volume / duration:.3g} m^3/s, in a step "
+        f"{share * scene.time.step / duration:.2g} of the tank"
+    )
+    if damped == 0.0:
+        return f"{text}."
+    return f"{text}, over {duration / damped:.3g} times as long as cloth.fold_damping acts."
+
+
 def supply_problems(scene: Scene) -> list[str]:
     """One line ``key: what is wrong. Mend.`` for each problem of drawing liquid in this scene."""
     supply = scene.supply

@@ -15,7 +15,7 @@ from coupling.report.run_report import run_page
 from coupling.report.style import house_style
 from coupling.scene.errors import SceneError
 from coupling.scene.scene import Scene, load_scene
-from coupling.scene.supply import film_fraction
+from coupling.scene.supply import drawing, film_fraction
 from coupling.simulation.driver import run
 
 TANK = """\
@@ -88,6 +88,15 @@ def test_both_keys_are_required(tmp_path: Path, key: str):
     (tmp_path / "scene.toml").write_text(text + "\nduration = 1.0\n")
     with pytest.raises(SceneError, match=rf"supply.{key}: is required beside"):
         load_scene(tmp_path)
+
+
+def test_check_says_how_fast_it_is_drawn(tmp_path: Path):
+    """sqrt(R/g) is 0.1428 s, five times which fold_damping acts; 0.93 of 33.5 l in 100 s."""
+    said = drawing(scene_of(tmp_path))
+    assert said == (
+        "Liquid is drawn at 0.000312 m^3/s, in a step 0.019 of the tank, over 140 times as long as "
+        "cloth.fold_damping acts."
+    )
 
 
 def test_volume_falls_evenly_and_then_stays(tmp_path: Path):
