@@ -10,9 +10,7 @@ from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.mesh import cells_above, cells_made
 from coupling.scene.carrier import carrier_problems
 from coupling.scene.choices import (
-    fluid_models,
     fluid_problems,
-    keeps_volume,
     motion_kind,
     motions_reading,
 )
@@ -20,6 +18,7 @@ from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene.ridges import ridge_problems
 from coupling.scene.sections import LEAST, Motion
 from coupling.scene.supply import supply_problems
+from coupling.scene.thesis_grid import thesis_grid_problems
 from coupling.scene.wrinkles import (
     CELLS_A_WAVELENGTH,
     grid_spacing,
@@ -51,7 +50,7 @@ def problems_between(scene: Scene) -> list[str]:
         *_check_gravity(scene),
         *_check_fill(scene),
         *_check_cells(scene),
-        *_check_grid(scene),
+        *thesis_grid_problems(scene),
         *_check_losses(scene),
         *_check_wrinkling(scene),
         *ridge_problems(scene),
@@ -129,65 +128,6 @@ def _check_cells(scene: Scene) -> list[str]:
         f"openfoam.cells: the mesh of at most {asked} cells has {made}, the next one {next_}. "
         f"Give {made} or {next_}."
     ]
-
-
-def _check_grid(scene: Scene) -> list[str]:
-    """What the thesis' grid can do: one thickness, a hinged rim, no compliance, no volume kept."""
-    if scene.cloth.grid != "thesis":
-        return []
-    problems = []
-    if keeps_volume(scene.model.fluid):
-        names = " or ".join(f'"{name}"' for name in fluid_models() if not keeps_volume(name))
-        problems.append(
-            f'cloth.grid: "thesis" needs model.fluid = {names}, got "{scene.model.fluid}". '
-            'Take cloth.grid = "rings" for a liquid that keeps its volume.'
-        )
-    if motion_kind(scene.motion.kind).turns(scene.motion):
-        problems.append(
-            'cloth.grid: "thesis" computes no tank that turns. Take cloth.grid = "rings", or leave '
-            "the rotation out of the motion."
-        )
-    if scene.tank.shape != "sphere":
-        problems.append(
-            f'tank.shape: must be "sphere" for cloth.grid = "thesis", got "{scene.tank.shape}". '
-            'Take cloth.grid = "rings" for another shape.'
-        )
-    if scene.tank.clamp_height != 0.0:
-        problems.append(
-            'tank.clamp_height: must be 0 for cloth.grid = "thesis", got '
-            f'{scene.tank.clamp_height:g}. Leave it out, or take cloth.grid = "rings".'
-        )
-    if scene.cloth.resolution % 2:
-        problems.append(
-            f'cloth.resolution: must be even for cloth.grid = "thesis", got '
-            f"{scene.cloth.resolution}. Give the number of nodes across, 26 in the thesis."
-        )
-    if not scene.diaphragm.inextensible:
-        problems.append(
-            'diaphragm.inextensible: must be true for cloth.grid = "thesis", got false. '
-            'Take cloth.grid = "rings" for a diaphragm that stretches.'
-        )
-    if scene.diaphragm.rim != "hinged":
-        problems.append(
-            f'diaphragm.rim: must be "hinged" for cloth.grid = "thesis", got '
-            f'"{scene.diaphragm.rim}". Take cloth.grid = "rings" for a clamped rim.'
-        )
-    if scene.diaphragm.thickness_map is not None:
-        problems.append(
-            'diaphragm.thickness_map: does not apply to cloth.grid = "thesis". '
-            'Give diaphragm.thickness, or take cloth.grid = "rings".'
-        )
-    if scene.time.step_tolerance is not None:
-        problems.append(
-            'time.step_tolerance: does not apply to cloth.grid = "thesis", whose steps are of a '
-            'millisecond. Leave it out, or take cloth.grid = "rings".'
-        )
-    if scene.cloth.wrinkling != "relaxed":
-        problems.append(
-            f'cloth.wrinkling: does not apply to cloth.grid = "thesis", got '
-            f'"{scene.cloth.wrinkling}". Leave it out, or take cloth.grid = "rings".'
-        )
-    return problems
 
 
 def _check_losses(scene: Scene) -> list[str]:
