@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from coupling.scene.choices import AUTO, fluid_models, keeps_volume
-from coupling.scene.motion_table import COLUMNS as MOTION_COLUMNS
+from coupling.scene.motion_file import COLUMNS as MOTION_COLUMNS
 from coupling.scene.motion_table import MotionTable
 from coupling.scene.sections import Motion, Section, Vector
 from coupling.scene.tables.columns import FORCE, Column

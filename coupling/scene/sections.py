@@ -32,7 +32,8 @@ from coupling.scene.choices import (
     one_of,
 )
 from coupling.scene.liquids import LIQUIDS
-from coupling.scene.motion_table import MotionTable, read_motion_table
+from coupling.scene.motion_file import read_motion_table
+from coupling.scene.motion_table import MotionTable
 from coupling.scene.spectrum_table import SpectrumTable, read_spectrum_table
 
 _LIQUID: dict[str, Any] = {"instead": 'a known liquid such as name = "water"'}

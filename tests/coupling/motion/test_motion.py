@@ -9,7 +9,8 @@ from cloth.kinematics import kinematics
 from coupling.motion.shaking import motion_of
 from coupling.motion.sine import SineMotion, smooth_ramp
 from coupling.motion.table import TableMotion
-from coupling.scene.motion_table import MotionTable, read_motion_table
+from coupling.scene.motion_file import read_motion_table
+from coupling.scene.motion_table import MotionTable
 from coupling.scene.scene import scene_from
 from coupling.scene.tables.text import TableError
 

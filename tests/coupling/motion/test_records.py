@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from coupling.cli.main import app
 from coupling.motion.record_summary import record_summary
-from coupling.scene.motion_table import read_motion_table
+from coupling.scene.motion_file import read_motion_table
 from coupling.scene.scene import SceneError, scene_from
 from coupling.scene.tables import file as table_file
 from coupling.scene.tables.text import TableError

@@ -12,7 +12,7 @@ from coupling.motion.lever import LeverMotion
 from coupling.motion.record_summary import record_summary
 from coupling.motion.sine import SineAttitude, SineMotion
 from coupling.motion.table import TABLE
-from coupling.scene.motion_table import read_motion_table
+from coupling.scene.motion_file import read_motion_table
 from coupling.scene.scene import SceneError, scene_from
 from coupling.scene.tables.text import TableError
 
