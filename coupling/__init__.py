@@ -1,4 +1,4 @@
-"""Partitioned fluid-structure interaction of spherical elastomeric diaphragm tanks.
+"""Partitioned fluid-structure interaction of elastomeric diaphragm tanks.
 
 What a program or a notebook needs is here: ``load_scene``, ``run``, ``resume``, ``study``,
 ``sweep``, ``design``, ``identify``, ``compare_scan`` and ``read_results``, and what they return.

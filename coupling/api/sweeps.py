@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -168,7 +169,9 @@ def sweep(
         row with its reason, and among the ``failures``.
     """
     if models is None:
-        models = [scene_of(scene, changes).model.fluid] if want else _assumed_and_next()
+        first = [f"{axis.key}={json.dumps(axis.values[0])}" for axis in _axes(over) if axis.values]
+        own = scene_of(scene, [*as_texts(changes), *first]).model.fluid if want else None
+        models = _assumed_and_next() if own is None else [own]
     chosen = chosen_models(models, least=1 if want else 2)
     plan = plan_sweep(Path(scene), as_texts(changes), _axes(over), chosen)
     for one in plan.points[0].scenes.values():

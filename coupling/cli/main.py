@@ -61,7 +61,7 @@ def edt(
         typer.Option("--version", callback=_version, is_eager=True, help="Say the version."),
     ] = False,
 ) -> None:
-    """Fluid-structure interaction of spherical elastomeric diaphragm tanks."""
+    """Fluid-structure interaction of elastomeric diaphragm tanks."""
 
 
 for name, verb in VERBS.items():

@@ -15,6 +15,7 @@ from coupling.estimate.numbers import numbers_of
 from coupling.fluids import FLUIDS
 from coupling.mechanical.apparent_mass import Band
 from coupling.mechanical.excitation import HIGH, LOW, STEPS_A_PERIOD, random_record, sweep
+from coupling.motion import MOTIONS
 from coupling.ports import Array
 from coupling.scene.scene import Scene, SceneError, load_scene, with_overrides
 from coupling.store.atomic import write_text
@@ -117,6 +118,13 @@ def _identifiable(scene: Scene) -> Scene:
             [
                 'carrier.kind: must be "prescribed" to identify a tank, got "free". Leave '
                 "[carrier] out: the liquid's model does not depend on what carries the tank."
+            ]
+        )
+    if MOTIONS[scene.motion.kind].turns(scene.motion):
+        raise SceneError(
+            [
+                "motion: a tank that turns is not identified: its pendulums are those of sway. "
+                "Leave the rotation out, such as with --set motion.kind=rest."
             ]
         )
     along, gravity = scene.motion.unit_direction, np.array(scene.gravity)

@@ -139,7 +139,7 @@ class Sine(MotionKind):
         )
 
     def problems(self, section: Motion, end: float, step: float) -> list[str]:
-        """Neither an amplitude nor an angle, or an angle about no axis."""
+        """Neither an amplitude nor an angle, an angle about no axis, an axis of no angle."""
         del end, step
         problems = []
         if section.amplitude is None and section.angle is None:
@@ -153,6 +153,13 @@ class Sine(MotionKind):
                 "motion.axis: must not be zero, got [0, 0, 0]. Give the axis that the tank turns "
                 "about, such as [0.0, 1.0, 0.0]."
             )
+        if section.angle is None:
+            problems += [
+                f"motion.{key}: is read beside an angle only. Give motion.angle, or leave the "
+                f"{key} out."
+                for key in ("axis", "point")
+                if getattr(section, key) != type(section).model_fields[key].default
+            ]
         return problems
 
     def frequency(self, section: Motion) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from coupling.scene.scene import Scene
 
 THICKNESS_OVER_RADIUS = 0.05
+WIDEST_SPACING = 0.5  # of the rings over the rim's radius; 0.39 is that of 4 rings on a hemisphere
 FEWEST_ACROSS = 4  # cells across the mesh's inner cube, those of the least ``openfoam.cells``
 LEAST_SPACING, MOST_SPACING = 1e-5, 0.2  # of wall cells over the radius; that of the coarsest mesh
 FARTHEST_CELLS = 1.5  # that may be asked, over those that the mesh has
@@ -63,8 +65,9 @@ def problems_between(scene: Scene) -> list[str]:
 
 
 def _check_shape(scene: Scene) -> list[str]:
-    problems = []
-    thickest = THICKNESS_OVER_RADIUS * scene.tank.shell.size
+    problems, shell = [], scene.tank.shell
+    smallest = min(shell.size, 0.5 * (shell.poles[1] - shell.poles[0]))
+    thickest = THICKNESS_OVER_RADIUS * smallest
     thinnest, thickness = scene.diaphragm.thickness_range
     if thinnest < LEAST:
         problems.append(
@@ -76,6 +79,16 @@ def _check_shape(scene: Scene) -> list[str]:
         problems.append(
             f"diaphragm.{key}: must be below {THICKNESS_OVER_RADIUS} radii ({thickest:.4g} m), "
             f"got {thickness:g}. Give metres; a thicker diaphragm is no membrane."
+        )
+    spacing = grid_spacing(scene.mould.length, scene.cloth)
+    if scene.cloth.grid == "rings" and spacing > WIDEST_SPACING * shell.size:
+        rings = math.ceil(scene.cloth.resolution * spacing / (WIDEST_SPACING * shell.size))
+        finer = f"Give cloth.resolution = {rings}"
+        mend = finer if rings <= MOST_RINGS else "No grid is fine enough: give a shorter tank"
+        problems.append(
+            f"cloth.resolution: rings of a diaphragm {scene.mould.length:.4g} m from pole to rim "
+            f"must lie within half the rim's radius of each other ({0.5 * shell.size:.4g} m), got "
+            f"{spacing:.4g} m. {mend}."
         )
     return problems
 

@@ -6,11 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from cloth.arrays import Array
 
 if TYPE_CHECKING:
     from cloth.shell.meridian import Meridian
     from coupling.scene.tank import Tank, TankShell
+
+
+NARROWEST = 0.1  # radius of the clamped circle over the shell's, at least: a choice
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,4 +45,11 @@ def clamped(pieces: Sequence[Array], tank: Tank) -> Meridian:
             f"tank.clamp_height: must lie between the shell's poles, in ({low:.6g}, {high:.6g}) m, "
             f"got {at:g}. Give the height of the clamped circle above the shell's middle."
         )
-    return Meridian([raised(piece, -at) for piece in pieces])
+    shell = Meridian([raised(piece, -at) for piece in pieces])
+    widest = max(float(np.abs(np.array(pieces)[:, [0, 2]]).max()), tank.radius or 0.0)
+    if shell.size < NARROWEST * widest:
+        raise ValueError(
+            f"tank.clamp_height: at {at:g} m the shell is {shell.size:.4g} m in radius, less than "
+            f"{NARROWEST:g} of its largest. Clamp the diaphragm nearer to the middle."
+        )
+    return shell

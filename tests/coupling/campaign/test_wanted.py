@@ -145,3 +145,14 @@ def test_a_wrong_name_starts_nothing(path: Path, tmp_path: Path) -> None:
     assert done.exit_code == 2
     assert "rubs.self_work_max_J_per_m2" in done.output
     assert not (tmp_path / "sweep").exists()
+
+
+def test_a_key_that_the_scene_needs_may_be_the_axis(path: Path, tmp_path: Path) -> None:
+    """The scene's own model is looked up at the first point: without the axis there is no scene."""
+    done = CliRunner().invoke(
+        app,
+        ["sweep", str(path), "--set", "tank.shape=pill", "--over", "tank.cylinder_length=0.05,0.1",
+         "--want", "steps", "--workers", "1", "--json", "-o", str(tmp_path / "sweep")],
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["models"] == ["hydrostatic"]

@@ -93,6 +93,12 @@ def test_the_same_command_goes_on_without_running_again(identified, monkeypatch)
         ({"model.fluid": "hydrostatic"}, [0.5], [1e-3], "model.fluid: must be potential"),
         ({"model.fluid": "auto"}, [0.5], [1e-3], "model.fluid: must be potential"),
         ({"motion.direction": [0.0, 0.0, 1.0]}, [0.5], [1e-3], "across gravity"),
+        (
+            {"motion.kind": "sine", "motion.frequency": 1.0, "motion.angle": 4.0},
+            [0.5],
+            [1e-3],
+            "a tank that turns is not identified",
+        ),
     ],
 )
 def test_wrong_input_is_refused_before_anything_starts(

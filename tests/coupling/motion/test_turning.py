@@ -273,6 +273,9 @@ def test_a_sine_needs_an_amplitude_or_an_angle_and_an_axis(tmp_path: Path):
     assert "motion.amplitude: is required" in refused(sine)
     assert "motion.axis: must not be zero" in refused(sine | {"angle": 5.0, "axis": [0.0] * 3})
     assert "motion.angle" in refused(sine | {"angle": 90.0})
+    sway = sine | {"amplitude": 0.01}
+    assert "motion.point: is read beside an angle only" in refused(sway | {"point": [0.0, 1.0, 0]})
+    assert "motion.axis: is read beside an angle only" in refused(sway | {"axis": [1.0, 0.0, 0.0]})
     time = np.linspace(0.0, 2.0, 11)
     file = written(tmp_path, HEAD, time, still(11))
     table = {"kind": "table", "file": str(file)}

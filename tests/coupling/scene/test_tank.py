@@ -151,6 +151,18 @@ def test_a_scene_s_copy_has_its_profile(tmp_path: Path):
             ["radius = 0.2", "cylinder_length = 0.1", "clamp_height = 0.25"],
             "tank.clamp_height: must lie between the shell's poles, in (-0.25, 0.25) m, got 0.25",
         ),
+        (
+            ["radius = 0.2", "cylinder_length = 0.1", "clamp_height = -0.2499"],
+            "tank.clamp_height: at -0.2499 m the shell is 0.006324 m in radius, less than 0.1",
+        ),
+        (
+            ["radius = 0.2", "cylinder_length = 6.0"],
+            "cloth.resolution: rings of a diaphragm 3.314 m from pole to rim must lie within half",
+        ),
+        (
+            ["radius = 0.2", "cylinder_length = 1e9"],
+            "No grid is fine enough: give a shorter tank.",
+        ),
     ],
 )
 def test_a_wrong_key_is_refused(tmp_path: Path, keys: list[str], says: str):
