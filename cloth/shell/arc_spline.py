@@ -201,7 +201,7 @@ def _tangents(points: Array) -> Array:
 
     Of the circle about the point itself, whose tangent errs by k' a b/6 for a curvature's slope k'
     and neighbours at a and b, corrected by those of the two points beside it, which differ from it
-    by k' (b + c) (a + b + c)/6 and so tell k'. Where the curvature changes less by far on one side,
+    by k' (b + c) (a + b + c)/6 and so give k'. Where the curvature changes less by far on one side,
     of the three points there (as essentially non-oscillatory schemes choose theirs): at the joint
     of an arc and a line both have theirs.
     """

@@ -16,7 +16,7 @@ from coupling.scans.pose import Pose, determined, names_known, rates
 from coupling.scans.sampling_error import blocks_of, mean_error
 from coupling.scans.sheet import Sheet
 
-SPACING = 5.0  # degrees between azimuths to start from: up to 36 folds round the rim are told apart
+SPACING = 5.0  # degrees between azimuths to start from: up to 36 folds round the rim differ
 # Points that a motion is fitted to, and the iterations, in turn: from all azimuths, from the best
 # of these, from those as good as the best. 20,000 leave of a scanner's noise a hundredth and less.
 _FEW, _SOME, _MANY = (300, 4), (1500, 10), (20_000, 100)
@@ -148,7 +148,7 @@ def _as_good(fits: list[_Fit], blocks: Ints, facets: float) -> list[_Fit]:
     """Those of ``fits`` that are as good as the best within the error, the least turn first.
 
     A smooth scan lies as much off the triangles as these off the smooth surface, ``facets`` [m]
-    rms: azimuths that differ by less than its square are told apart by the grid alone.
+    rms: azimuths that differ by less than its square differ by the grid alone.
     """
     best = min(fits, key=lambda one: float(one.squares.mean()))
     found = []

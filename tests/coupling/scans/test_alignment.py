@@ -62,7 +62,7 @@ def test_half_of_a_folded_diaphragm_is_enough() -> None:
     ],
 )
 def test_a_surface_that_moves_in_itself_has_no_such_motion(sheet: Sheet, unknown: set[str]) -> None:
-    """Though its triangles have one: a scan of the grid is told from a scan of the surface."""
+    """Though its triangles have one: a scan of the grid differs from one of the surface."""
     scan = made_scan(sheet.nodes, sheet.triangles, 0, number=2000)
     found = align(sheet, scan.points, sheets.RADIUS)
     assert {name for name, known in names_known(found.basis).items() if not known} == unknown

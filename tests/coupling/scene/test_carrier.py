@@ -1,4 +1,4 @@
-"""What a scene may say of its carrier, and what it is told where that is wrong."""
+"""What a scene may say of its carrier, and what is said where that is wrong."""
 
 from pathlib import Path
 

@@ -172,7 +172,7 @@ def test_half_the_rate_changes_the_curve_by_less_than_its_stated_error(tmp_path:
 def test_outlet_of_a_tilted_tank_is_covered_while_liquid_is_left(tmp_path: Path):
     """At 45 degrees a level liquid leaves the lower pole when it is R (1 - cos 45) deep.
 
-    That depth is known to the gap by which covering is told, the volume to a step; and up to the
+    That depth is known to the gap by which covering is seen, the volume to a step; and up to the
     film that the chords leave on the shell may stay besides.
     """
     scene, summary, _ = drawn(
