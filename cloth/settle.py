@@ -24,8 +24,8 @@ ITERATIONS = 60  # of the others, if not given; 20 leave short waves that moment
 MOMENTUM = 0.97  # of the last step, at most
 QUIET_STEPS = 5
 # Pseudo-steps in which it has come no nearer to rest by a tenth, after which it finds none: a sheet
-# in self-contact jitters by the stiffness times what keeps its layers apart. A slack one on 8 rings,
-# half full, is near rest after 8, creeps away, and finds it 735 later.
+# in self-contact jitters by the stiffness times what keeps its layers apart. A slack one, half full
+# on 8 rings, is near rest after 8, creeps away, and finds it 735 later.
 PATIENCE = 1000
 
 
