@@ -22,14 +22,14 @@ def level_shape(model: ClothModel, volume: float) -> Array:
     """Return positions (n, 3) [m] of a moulded sheet that lies flat on ``volume`` [m^3] of liquid.
 
     With gravity along -z. From the clamped rim to its edge the sheet lies as it was moulded, or as
-    the mould's mirror image at the rim's plane, moved into the shell where it is outside; where
-    that image is the shell itself, each ring lies as far from the rim along the shell's meridian
-    as it is moulded. The rest, moulded nearer to the pole than s_c, is the disc r = r_c s/s_c, with
-    s the moulded arc length from the pole and r_c the radius of the edge. No length grows where the
-    shell and the mould are convex, since theta/sin(theta) grows and a nearest point of a convex
-    body is no farther from another than the points are: it is a state without tension. The edge is
-    that of the triangles' own volume. Raises ArithmeticError where the triangles cannot hold the
-    volume.
+    the mould's mirror image at the rim's plane, each moved into the shell where it is outside;
+    where that image is the shell itself, each ring lies as far from the rim along the shell's
+    meridian as it is moulded. The rest, moulded nearer to the pole than s_c, is the disc
+    r = r_c s/s_c, with s the moulded arc length from the pole and r_c the radius of the edge. No
+    length grows where the shell and the mould are convex, since theta/sin(theta) grows and a
+    nearest point of a convex body is no farther from another than the points are: it is a state
+    without tension. The edge is that of the triangles' own volume. Raises ArithmeticError where the
+    triangles cannot hold the volume.
     """
     x, shell = model.mesh.points, model.shell
     mirrored = x * np.array([1.0, 1.0, -1.0])
@@ -46,20 +46,24 @@ def level_shape(model: ClothModel, volume: float) -> Array:
 
 
 def volumes_held(shell: Shell, mould: Mould, whole: float) -> tuple[float, float]:
-    """Return the least and the largest volume [m^3] below a sheet of a ``mould`` on the ``shell``.
+    """Return the least and the largest volume [m^3] below a sheet of a ``mould`` in the ``shell``.
 
-    On its own side it lies on the shell, and holds all or nothing of it; on the other as its mirror
-    image, moved into the shell. ``whole``: the shell's volume [m^3]. By ``PARTS`` of the meridian,
-    within their square's inverse.
+    As moulded, and as the mould's mirror image, each moved into the shell where it is outside; all
+    or nothing where it lies on the shell. ``whole``: the shell's volume [m^3]. By ``PARTS`` of the
+    meridian, within their square's inverse.
     """
     r, z = np.array([mould.ring(number, PARTS) for number in range(PARTS + 1)]).T
-    image = shell.confine(np.column_stack([r, np.zeros_like(r), -z]))
-    across, height = image[:, 0], image[:, 2]
-    ends = across[1:] ** 2 + across[1:] * across[:-1] + across[:-1] ** 2
-    volume = shell.volume_below(0.0) - math.pi / 3.0 * float(ends @ np.diff(height))
-    if np.all(shell.gap(np.column_stack([r, np.zeros_like(r), -z])) <= SAME * shell.size):
-        volume = 0.0 if z[0] > 0.0 else whole
-    return (volume, whole) if z[0] > 0.0 else (0.0, volume)
+    held = []
+    for side in (z, -z):
+        points = np.column_stack([r, np.zeros_like(r), side])
+        if np.all(shell.gap(points) <= SAME * shell.size):
+            held.append(whole if side[0] > 0.0 else 0.0)
+            continue
+        across, _, height = shell.confine(points).T
+        ends = across[1:] ** 2 + across[1:] * across[:-1] + across[:-1] ** 2
+        below = float(ends @ np.diff(height))
+        held.append(shell.volume_below(0.0) - math.pi / 3.0 * below)
+    return min(held), max(held)
 
 
 Shape = tuple[Callable[[float], Array], tuple[float, float]]
@@ -95,9 +99,10 @@ def _on_mould(model: ClothModel, mirrored: Array) -> Shape:
     """
     rim_distance, outward = model.mesh.rim_distance, _outward(model)
     length = float(rim_distance.max())
-    image = model.shell.confine(mirrored)
-    above = bool(model.mesh.points[:, 2].sum() > 0.0)
-    sides = (model.mesh.points, image) if above else (image, model.mesh.points)
+    shell, image, made = model.shell, model.shell.confine(mirrored), model.mesh.points
+    if shell.gap(made).min() < -SAME * shell.size:
+        made = shell.confine(made)
+    sides = (made, image) if model.mesh.points[:, 2].sum() > 0.0 else (image, made)
     arcs, first = np.unique(rim_distance, return_index=True)
 
     def shape(edge: float) -> Array:

@@ -109,6 +109,7 @@ def _has_theory(scene: Scene) -> bool:
         and not motion.angle
         and scene.tank.shape == "sphere"
         and scene.tank.clamp_height == 0.0
+        and scene.diaphragm.mould_profile is None
         and not scene.carrier.free
         and scene.diaphragm.thickness_range[0] == scene.diaphragm.thickness_range[1]
         and gravity[2] < 0.0 == gravity[0] == gravity[1]

@@ -18,6 +18,7 @@ from coupling.scene.choices import (
 from coupling.scene.numerics import FEWEST_STEPS_A_PERIOD, MOST_RINGS
 from coupling.scene.ridges import ridge_problems
 from coupling.scene.sections import LEAST, Motion
+from coupling.scene.shapes.own_mould import mould_problems
 from coupling.scene.supply import supply_problems
 from coupling.scene.thesis_grid import thesis_grid_problems
 from coupling.scene.wrinkles import (
@@ -47,6 +48,9 @@ _OF_ONE_KIND = (
 
 def problems_between(scene: Scene) -> list[str]:
     """One line ``key: what is wrong. Mend.`` for each problem of more than one section."""
+    wrong_mould = mould_problems(scene)
+    if wrong_mould:  # without a mould the others cannot be looked for
+        return wrong_mould
     return [
         *_check_shape(scene),
         *_check_gravity(scene),
@@ -106,13 +110,14 @@ def _check_gravity(scene: Scene) -> list[str]:
 def _check_fill(scene: Scene) -> list[str]:
     """Whether the diaphragm, which keeps its lengths, can hold the liquid's volume."""
     tank = scene.tank
-    least, largest = (volume / tank.volume for volume in tank.held_by(scene.mould))
+    own = scene.diaphragm.mould_profile is not None
+    least, largest = (volume / tank.volume for volume in tank.held_by(scene.mould, own=own))
     if least <= scene.liquid.fill_fraction <= largest:
         return []
     return [
         f"liquid.fill_fraction: a diaphragm moulded to the {scene.diaphragm.mould} part of this "
-        f"shell holds fill fractions from {least:.4g} to {largest:.4g}, got "
-        f"{scene.liquid.fill_fraction:g}. Give one of them, mould it to the other part "
+        f"{'profile' if own else 'shell'} holds fill fractions from {least:.4g} to {largest:.4g}, "
+        f"got {scene.liquid.fill_fraction:g}. Give one of them, mould it to the other part "
         "(diaphragm.mould), or clamp it nearer to the middle (tank.clamp_height)."
     ]
 

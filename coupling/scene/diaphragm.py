@@ -117,6 +117,11 @@ class Diaphragm(Section):
         description='part of the shell to which the rubber is moulded: "upper" or "lower", above '
         "or below the rim",
     )
+    mould_profile: str | None = Field(
+        default=None,
+        description="CSV file with columns r, z (m, or as its header says): a closed meridian from "
+        "pole to pole, the rim at z = 0, to whose part the rubber is moulded, not to the shell's",
+    )
     ridge_number: int | None = Field(default=None, ge=1, le=1000, description="number of ridges")
     ridge_width: float | None = Field(
         default=None, gt=0, description="width of a ridge from foot to foot [m]"

@@ -29,6 +29,7 @@ from coupling.scene.periods import in_seconds
 from coupling.scene.report import Report
 from coupling.scene.ridges import ridges_of
 from coupling.scene.sections import Liquid, Model, Motion, Section, Vector
+from coupling.scene.shapes.own_mould import own_mould
 from coupling.scene.source import SCENE_FILE, apply_override, as_texts, read_toml, scene_file
 from coupling.scene.supply import Supply, with_duration
 from coupling.scene.tank import Tank
@@ -53,6 +54,7 @@ TABLE_FILES = {
     ("motion", "file"): "motion.csv",
     ("carrier", "force_file"): "force.csv",
     ("diaphragm", "thickness_map"): "thickness.csv",
+    ("diaphragm", "mould_profile"): "mould.csv",
     ("tank", "profile"): "profile.csv",
 }
 
@@ -86,9 +88,11 @@ class Scene(Section):
 
     @cached_property
     def mould(self) -> Mould:
-        """The shape in which the diaphragm is moulded: the shell's above or below the rim."""
-        shell = self.tank.shell
-        return shell.upper_part() if self.diaphragm.mould == "upper" else shell.lower_part()
+        """The shape in which the diaphragm is moulded, above or below the rim."""
+        shell, part = self.tank.shell, self.diaphragm.mould
+        if self.diaphragm.mould_profile is not None:
+            return own_mould(self.diaphragm.mould_profile, part)
+        return shell.upper_part() if part == "upper" else shell.lower_part()
 
     @cached_property
     def mean_thickness(self) -> float:

@@ -102,13 +102,15 @@ class Tank(Section):
         """Of the whole shell [m^3]."""
         return self.shell.volume
 
-    def held_by(self, mould: Mould) -> tuple[float, float]:
+    def held_by(self, mould: Mould, *, own: bool = False) -> tuple[float, float]:
         """The least and the largest volume [m^3] of liquid below a sheet of the ``mould``.
+
+        ``own``: whether that is no part of the shell.
 
         Nothing and the whole shell where the mould or its mirror image lies on all of it, as in a
         sphere clamped at its equator.
         """
-        if self.shape == "sphere" and self.clamp_height == 0.0:
+        if self.shape == "sphere" and self.clamp_height == 0.0 and not own:
             return 0.0, self.volume
         from cloth.level import volumes_held
 

@@ -12,7 +12,9 @@ from coupling.scene.source import SCENE_FILE
 from coupling.store.folder_lock import LOCK_FILE, FolderError, check_not_held
 
 # A run's copy of what it computes.
-_SCENE_FILES = frozenset({SCENE_FILE, "motion.csv", "thickness.csv", "profile.csv"})
+_SCENE_FILES = frozenset(
+    {SCENE_FILE, "motion.csv", "thickness.csv", "profile.csv", "force.csv", "mould.csv"}
+)
 # What a run writes beside it, and a new one replaces.
 _RUN_FILES = frozenset(
     {

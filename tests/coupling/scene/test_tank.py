@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from coupling.fluids.hydrostatic import Hydrostatic
 from coupling.scene.scene import Scene, SceneError, load_scene
 from coupling.store.scene_file import write_scene
+from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
 R = 0.4445
 SCENE = """
@@ -204,3 +206,59 @@ def test_a_profile_that_is_not_there_is_refused(tmp_path: Path):
     line = refused(tmp_path, 'shape = "profile"', 'profile = "none.csv"')
     assert "tank.profile: " in line
     assert "none.csv" in line
+
+
+def own_mould(folder: Path, height: float, radius: float = R) -> list[str]:
+    """Keys of a sphere's diaphragm that is moulded to half an ellipsoid of this ``height``."""
+    angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 81)
+    points = np.column_stack([radius * np.cos(angle), height * np.sin(angle)])
+    lines = ["r,z", *(f"{r!r},{z!r}" for r, z in points.tolist())]
+    (folder / "mould.csv").write_text("\n".join(lines))
+    return [f"radius = {R}", "[diaphragm]", 'mould_profile = "mould.csv"']
+
+
+def moulded_scene(folder: Path, height: float, **changes: object) -> Scene:
+    keys = own_mould(folder, height)
+    text = SCENE.format(tank=keys[0]).replace("[diaphragm]", "\n".join(keys[1:]))
+    (folder / "scene.toml").write_text(text)
+    return load_scene(folder, changes)
+
+
+def test_a_mould_of_its_own_that_is_the_shells_is_the_shells(tmp_path: Path):
+    made, shell = moulded_scene(tmp_path, R), scene(tmp_path, f"radius = {R}")
+    assert made.mould.length == pytest.approx(shell.mould.length, rel=1e-12)
+    rings = [(made.mould.ring(k, 24), shell.mould.ring(k, 24)) for k in range(25)]
+    np.testing.assert_allclose(*np.swapaxes(rings, 0, 1), atol=1e-12)
+
+
+def test_a_run_has_a_copy_of_the_moulds_profile(tmp_path: Path):
+    made = moulded_scene(tmp_path, 0.8 * R)
+    (tmp_path / "run").mkdir()
+    write_scene(made, tmp_path / "run")
+    (tmp_path / "mould.csv").unlink()
+    assert load_scene(tmp_path / "run").mould.length == made.mould.length
+
+
+def test_a_shallow_mould_rests_level_and_holds_no_more_than_it_can(tmp_path: Path):
+    """Half an ellipsoid 0.8 R high in a sphere: 0.8 of the upper half's volume either way.
+
+    Level at half fill without tension, and the volume kept to rounding.
+    """
+    made = moulded_scene(tmp_path, 0.8 * R, **{"cloth.resolution": 10})
+    least, largest = made.tank.held_by(made.mould, own=True)
+    assert np.array([least, largest]) / made.tank.volume == pytest.approx([0.1, 0.9], abs=1e-4)
+    cloth = diaphragm_of(made)
+    load = Hydrostatic(density=1000.0).load(np.array(made.gravity), made.liquid_volume)
+    assert settle_diaphragm(cloth, made, load) < 1e-6
+    assert cloth.state.volume == pytest.approx(made.liquid_volume, rel=1e-12)
+    assert np.abs(cloth.state.position[:, 2]).max() < 0.02 * R
+    with pytest.raises(SceneError, match="moulded to the upper part of this profile holds fill"):
+        moulded_scene(tmp_path, 0.8 * R, **{"liquid.fill_fraction": 0.95})
+
+
+def test_a_mould_that_misses_the_rim_is_refused(tmp_path: Path):
+    keys = own_mould(tmp_path, 0.8 * R, radius=0.9 * R)
+    text = SCENE.format(tank=keys[0]).replace("[diaphragm]", "\n".join(keys[1:]))
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(SceneError, match=r"must be 0\.4445 m in radius at z = 0"):
+        load_scene(tmp_path)
