@@ -35,9 +35,9 @@ COMPRESSIVE = 0.003
 # with an eighth of that. It would fold to a depth of several tenths of R in place of shrinking.
 BUCKLING = 0.25
 CREEP = 1e-4  # force over rho g R^3, below which a sheet that finds no rest starts all the same
-# The same where it touches itself, or is longer than a hemisphere, so that it cannot lie flat: what
-# keeps its layers apart moves nodes by some 10 um, which an inextensible sheet answers with forces
-# that no equilibrium has, and slack creeps into pleats for long.
+# The same of a sheet that is longer than a hemisphere, so that it cannot lie flat: slack creeps
+# into pleats for long, and what keeps its layers apart moves nodes by some 10 um, which an
+# inextensible sheet answers with forces that no equilibrium has.
 FOLDED = 2e-2
 ROUNDING = 1e-9  # of a length
 HEMISPHERE = 0.5 * math.pi  # length of its meridian over its rim's radius
@@ -146,7 +146,7 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> f
     """Bring ``cloth`` to rest under ``load``, by way of the scene's liquid volume.
 
     Returns the force left over rho g R^3 (``cloth.residual``). Raises ``RunFailed`` where that is
-    more than ``time.settle_tolerance`` and ``CREEP``, of a sheet with folds ``FOLDED``. The thesis'
+    more than ``time.settle_tolerance`` and ``CREEP``, of a long sheet ``FOLDED``. The thesis'
     diaphragm runs ``time.settle`` from its moulded shape instead, 1 s in the thesis, and whatever
     it has come to is taken for its rest, velocities included: then None is returned.
     """
@@ -164,8 +164,8 @@ def settle_diaphragm(cloth: Diaphragm, scene: Scene, load: HydrostaticLoad) -> f
     if load.datum is not None:
         outcome = settle(cloth, load, tolerance=tolerance)
     if not outcome.converged:
-        folded = _slackness(scene) > HEMISPHERE or bool(np.any(cloth.state.self_pressure > 0.0))
-        if outcome.residual > max(FOLDED if folded else CREEP, tolerance):
+        allowed = FOLDED if _slackness(scene) > HEMISPHERE else CREEP
+        if outcome.residual > max(allowed, tolerance):
             raise RunFailed(
                 f"settling: the diaphragm finds no rest in {outcome.steps} steps: the force left "
                 f"is {outcome.residual:.1e} rho g R^3, time.settle_tolerance {tolerance:.0e}. Let "
