@@ -217,7 +217,7 @@ class PotentialStep:
 
     def restore(self, saved: Mapping[str, Mapping[str, AnyArray]]) -> None:
         """The reverse of ``save``."""
-        self._now |= {name: saved["coupled"][name] for name in _NAMES if name in saved["coupled"]}
+        self._now = {name: saved["coupled"][name] for name in _NAMES}
 
     def close(self) -> int | None:
         """No solver runs."""
