@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from coupling.motion.frame import Frame
@@ -29,10 +29,10 @@ class Carrier(Protocol):
         ``previous`` [s]: length of the part before, 0 where there was none.
         """
 
-    def accept(self, moment: Array, body_force: Array) -> Array:
+    def accept(self, moment: Callable[[], Array], body_force: Array) -> Array:
         """Commit the part that was opened last; b [m/s^2] at its end.
 
-        ``moment`` (3,) [kg m] as in ``start``, there; ``body_force`` (3,): what opening it gave.
+        ``moment()`` (3,) [kg m] as in ``start``, there; ``body_force`` (3,): what opening it gave.
         """
 
     def acceleration(self, start: float, end: float) -> Array:
@@ -72,7 +72,7 @@ class Prescribed:
         """That of the frame."""
         return self.frame.body_force(start, end, previous)
 
-    def accept(self, moment: Array, body_force: Array) -> Array:
+    def accept(self, moment: Callable[[], Array], body_force: Array) -> Array:
         """What it was."""
         del moment
         return body_force

@@ -14,7 +14,7 @@ pressure takes none from it, and felt by the tank alone that would be an inertia
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,21 +96,21 @@ class FreeTank:
         stretched = displacement - ground.displacement(time)
         return -self.springs * stretched - self.dampers * (velocity - ground.velocity(time))
 
-    def accept(self, moment: Array, body_force: Array) -> Array:
+    def accept(self, moment: Callable[[], Array], body_force: Array) -> Array:
         """Commit the part that was opened last: Newton's law with the contents' ``moment``."""
         del body_force
-        part, recoil, now = self._part, self.recoil, self._now
+        part, recoil, now, there = self._part, self.recoil, self._now, moment()
         assert part is not None
         assert recoil is not None
         b, dt = part.tank.b, part.end - part.start
-        contents = (moment - recoil.prediction) / (b * b * recoil.mass)
+        contents = (there - recoil.prediction) / (b * b * recoil.mass)
         acceleration = part.unmoved - contents
         velocity = part.tank.velocity_anchor + b * acceleration
         after = {
             "displacement": part.tank.prediction + b * b * acceleration,
             "velocity": velocity,
-            "moment": moment,
-            "moment_rate": part.moment.velocity(moment),
+            "moment": there,
+            "moment_rate": part.moment.velocity(there),
         }
         self._now = (
             now

@@ -30,6 +30,7 @@ from coupling.simulation.sampling import at_nodes, sample_at, still
 from coupling.simulation.tally import Tally
 from coupling.step.dry import DryStep
 from coupling.step.halving import ErrorControl, Halving
+from coupling.store.attitude import rotation_vector
 from coupling.store.run_record import Sample
 from coupling.structure.diaphragm import diaphragm_of, settle_diaphragm
 
@@ -154,7 +155,7 @@ class Participants:
 
     def _taken(self, dt: float) -> None:
         """Note the end of a part of ``dt`` [s]."""
-        body_force = self.carrier.accept(self._moment(), self._load.body_force)
+        body_force = self.carrier.accept(self._moment, self._load.body_force)
         self._load = replace(self._load, body_force=body_force)
         self._parts.append((dt, self.cloth.losses(), self.cloth.converged))
         self.tally.solved(self.cloth.iterations, converged=self.cloth.converged)
@@ -199,6 +200,12 @@ class Participants:
             return None
         return self.frame.attitude(time), self.frame.rate(time)
 
+    def _rotation(self, time: float) -> Array:
+        """Rotation vector (3,) [rad] of the tank."""
+        if self.frame.turning is None:
+            return np.zeros(3)
+        return rotation_vector(self.frame.attitude(time))
+
     def sample(self, time: float, report: StepReport, metrics: dict[str, float]) -> Sample:
         """Results of the committed state at ``time`` [s], with ``metrics`` among its own."""
         state, liquid = self.cloth.state, report.sample
@@ -209,7 +216,7 @@ class Participants:
         sample = sample_at(
             time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
-            displacement=self.carrier.displacement(time), attitude=self.frame.attitude(time),
+            displacement=self.carrier.displacement(time), rotation=self._rotation(time),
             rate=self.frame.rate(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
             metrics=metrics | self.step.metrics(liquid) | own | self.carrier.metrics(),

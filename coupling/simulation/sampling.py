@@ -10,7 +10,6 @@ import numpy as np
 from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.bernoulli import node_areas, weighted_rms
 from coupling.ports import Array, DiaphragmState, HydrostaticLoad, Ints, LiquidSample, Shell
-from coupling.store.attitude import rotation_vector
 from coupling.store.run_record import Sample
 
 
@@ -48,7 +47,7 @@ def sample_at(
     load: HydrostaticLoad,
     acceleration: Array,
     displacement: Array,
-    attitude: Array,
+    rotation: Array,
     rate: Array,
     flow: LiquidSample | None,
     pressures: NodePressures,
@@ -76,8 +75,9 @@ def sample_at(
         Density and body force of the step that ends there.
     acceleration, displacement
         The tank's acceleration [m/s^2] and displacement [m], each (3,).
-    attitude, rate
-        How the tank has turned (3, 3), and how fast it does (3,) [rad/s] in its own axes.
+    rotation, rate
+        How the tank has turned, a rotation vector (3,) [rad], and how fast it does (3,) [rad/s] in
+        its own axes.
     flow
         The flow there, None without one.
     pressures
@@ -104,7 +104,7 @@ def sample_at(
         time=time,
         tank_acceleration=acceleration,
         tank_displacement=displacement,
-        tank_rotation=rotation_vector(attitude),
+        tank_rotation=rotation,
         tank_rate=rate,
         position=state.position,
         pressure=hydrostatic + pressures.dynamic,
