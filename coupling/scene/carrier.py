@@ -6,13 +6,13 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 from pydantic import Field
 
-from coupling.scene.choices import AUTO, fluid_models, keeps_volume
+from coupling.scene.choices import AUTO, fluid_models, keeps_volume, motion_kind
 from coupling.scene.motion_file import COLUMNS as MOTION_COLUMNS
+from coupling.scene.motion_file import increasing
 from coupling.scene.motion_table import MotionTable
-from coupling.scene.sections import Motion, Section, Vector
+from coupling.scene.sections import Section, Vector
 from coupling.scene.tables.columns import FORCE, Column
 from coupling.scene.tables.file import table_of
 from coupling.scene.tables.text import TableError, read_content
@@ -115,7 +115,7 @@ def carrier_problems(scene: Scene) -> list[str]:
     problems = carrier.problems(time.step * time.steps)
     if not carrier.free:
         return problems
-    if _turns(scene.motion):
+    if motion_kind(scene.motion.kind).turns(scene.motion):
         problems.append(
             'carrier.kind: "free" takes a ground that does not turn, got a motion with rotation. '
             "Leave the rotation out: a free tank is held against turning."
@@ -134,16 +134,6 @@ def carrier_problems(scene: Scene) -> list[str]:
     return [*problems, f'carrier.kind: "free" needs model.fluid = {names}, got "{fluid}", {why}.']
 
 
-def _turns(motion: Motion) -> bool:
-    """Whether a motion has rotation; of a table that cannot be read something else is said."""
-    if motion.kind != "table" or motion.file is None:
-        return bool(motion.angle)
-    try:
-        return motion.record.turns
-    except TableError:
-        return False
-
-
 def read_force_table(path: Path) -> MotionTable:
     """Forces [N] in place of accelerations, of a table laid out as ``table_of`` says.
 
@@ -156,12 +146,4 @@ def read_force_table(path: Path) -> MotionTable:
 @lru_cache(maxsize=2)  # a study asks for the same table again and again
 def _read(path: Path, data: bytes) -> MotionTable:
     table = table_of(path, data, COLUMNS)
-    time = table.values[:, 0]
-    unordered = np.flatnonzero(np.diff(time) <= 0.0)
-    if len(unordered) > 0:
-        row = int(unordered[0]) + 1
-        raise TableError(
-            f"{table.where(row)}: time must increase, got {time[row]:.10g} after "
-            f"{time[row - 1]:.10g}. Sort the lines and remove repeated times."
-        )
-    return MotionTable(time=time, acceleration=table.values[:, 1:])
+    return MotionTable(time=increasing(table), acceleration=table.values[:, 1:])

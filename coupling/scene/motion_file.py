@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from coupling.ports import Array
 from coupling.scene.motion_table import MotionTable
 from coupling.scene.tables.columns import ACCELERATION, ANGLE, RATE, TIME, Column
 from coupling.scene.tables.file import Table, table_of
@@ -68,15 +69,7 @@ def read_motion_table(path: Path) -> MotionTable:
 @lru_cache(maxsize=2)  # a study asks for the same record again and again
 def _read(path: Path, data: bytes) -> MotionTable:
     table, turning = _with_rotation(path, data, table_of(path, data, COLUMNS))
-    time = table.values[:, 0]
-    unordered = np.flatnonzero(np.diff(time) <= 0.0)
-    if len(unordered) > 0:
-        row = int(unordered[0]) + 1
-        more = f" (and {len(unordered) - 1} more lines)" if len(unordered) > 1 else ""
-        raise TableError(
-            f"{table.where(row)}: time must increase, got {time[row]:.10g} after "
-            f"{time[row - 1]:.10g}{more}. Sort the lines and remove repeated times."
-        )
+    time = increasing(table)
     apart = float(np.median(np.diff(time)))
     if len(time) >= _MANY and apart >= _SLOWEST and not table.units[0] and table.start is None:
         raise TableError(
@@ -93,6 +86,20 @@ def _read(path: Path, data: bytes) -> MotionTable:
         rates=rotation if turning is RATES else None,
         angles=rotation if turning is ANGLES else None,
     )
+
+
+def increasing(table: Table) -> Array:
+    """Return a ``table``'s times (k,) [s]; raises ``TableError`` where they do not rise."""
+    time = table.values[:, 0]
+    unordered = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(unordered) > 0:
+        row = int(unordered[0]) + 1
+        more = f" (and {len(unordered) - 1} more lines)" if len(unordered) > 1 else ""
+        raise TableError(
+            f"{table.where(row)}: time must increase, got {time[row]:.10g} after "
+            f"{time[row - 1]:.10g}{more}. Sort the lines and remove repeated times."
+        )
+    return time
 
 
 def _with_rotation(path: Path, data: bytes, table: Table) -> tuple[Table, tuple[Column, ...]]:
