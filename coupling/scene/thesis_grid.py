@@ -36,6 +36,11 @@ def thesis_grid_problems(scene: Scene) -> list[str]:
             'tank.clamp_height: must be 0 for cloth.grid = "thesis", got '
             f'{scene.tank.clamp_height:g}. Leave it out, or take cloth.grid = "rings".'
         )
+    if scene.diaphragm.mould != "upper":
+        problems.append(
+            'diaphragm.mould: must be "upper" for cloth.grid = "thesis", got '
+            f'"{scene.diaphragm.mould}". Leave it out, or take cloth.grid = "rings".'
+        )
     if scene.cloth.resolution % 2:
         problems.append(
             f'cloth.resolution: must be even for cloth.grid = "thesis", got '

@@ -286,6 +286,12 @@ def test_the_thesis_grid_is_even_and_by_default_that_of_the_thesis(folder: Path)
     assert 'cloth.resolution: must be even for cloth.grid = "thesis", got 25.' in line
 
 
+def test_the_thesis_grid_is_moulded_above_the_rim(folder: Path):
+    """It was taken for the upper part without a word."""
+    (line,) = problems(folder, "cloth.grid=thesis", "model.fluid=datum", "diaphragm.mould=lower")
+    assert 'diaphragm.mould: must be "upper" for cloth.grid = "thesis", got "lower".' in line
+
+
 def test_the_thesis_grid_has_a_hinged_rim(folder: Path):
     assert load_scene(folder, ["diaphragm.rim=clamped"]).diaphragm.rim == "clamped"
     (line,) = problems(folder, "cloth.grid=thesis", "model.fluid=datum", "diaphragm.rim=clamped")
