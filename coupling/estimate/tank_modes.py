@@ -9,7 +9,12 @@ from threadpoolctl import threadpool_limits
 
 from cloth.shell.below_plane import Plane, section_samples, wetted_samples
 from coupling.fluids.potential.harmonics import harmonics_in
-from coupling.fluids.potential.ritz import REGULAR, cone_integral, wall_integral
+from coupling.fluids.potential.ritz import (
+    cone_integral,
+    regular_inverse,
+    slowest_wave,
+    wall_integral,
+)
 from coupling.ports import Array
 
 if TYPE_CHECKING:
@@ -63,9 +68,5 @@ def lowest_eigenvalue(shell: TankShell, volume: float, up: Array, *, degree: int
         values = harmonics.values(points)
         stiffness = wall_integral(harmonics, *wetted_samples(shell.profile, plane, degree))
         stiffness += cone_integral(values, plane.level * size, harmonics)
-        values -= size @ values / size.sum()  # waves keep the volume
-        mass = values.T @ (size[:, None] * values)
-        value, vector = np.linalg.eigh(stiffness[1:, 1:])
-        inverse = vector / np.sqrt(np.maximum(value, REGULAR * value[-1]))
-        found = np.linalg.eigvalsh(inverse.T @ mass[1:, 1:] @ inverse)[-1]
-    return float(shell.size / found)
+        inverse = regular_inverse(stiffness[1:, 1:])
+        return shell.size * slowest_wave(values[:, 1:], size, inverse)

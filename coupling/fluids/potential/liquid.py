@@ -17,6 +17,7 @@ from coupling.fluids.potential.ritz import (
     RitzLiquid,
     RitzShape,
     bernoulli,
+    slowest_wave,
     wall_integral,
 )
 from coupling.fluids.potential.wall_layers import WallLayers, slip_form
@@ -79,7 +80,8 @@ class PotentialLiquid:
         """
         shape, strength = self.at(points), float(np.linalg.norm(gravity))
         level = np.maximum(shape.area @ (-gravity / strength), 0.0)
-        wave = shape.slowest_wave(np.where(self._free(points), level, 0.0))
+        surface = np.where(self._free(points), level, 0.0)
+        wave = slowest_wave(shape.values[:, 1:], surface, shape.inverse)
         return float(np.sqrt(strength * wave) / (2.0 * np.pi))
 
     def layers(self, points: Array, shape: RitzShape) -> WallLayers:

@@ -55,12 +55,10 @@ class RitzLiquid:
         values = self.harmonics.values(corner.mean(axis=1))
         reach = np.einsum("tx,tx->t", corner[:, 0], area)
         stiffness = (self.wall + cone_integral(values, reach, self.harmonics))[1:, 1:]
-        value, vector = sl.eigh(stiffness, check_finite=False)
-        root = np.sqrt(np.maximum(value, REGULAR * value[-1]))
         flux = np.zeros((len(points), 3, values.shape[1] - 1))
         spread_flux(self.triangles, values[:, 1:], area, flux)
         return RitzShape(
-            liquid=self, area=area, values=values, inverse=vector / root,
+            liquid=self, area=area, values=values, inverse=regular_inverse(stiffness),
             flux=flux.reshape(-1, flux.shape[2]),
         )  # fmt: skip
 
@@ -100,23 +98,6 @@ class RitzShape:
         source = self.source(velocity, turn)
         return np.concatenate([[0.0], self.inverse @ (self.inverse.T @ source)])
 
-    def slowest_wave(self, weight: Array) -> float:
-        """Return omega^2/g [1/m] of the slowest wave of a level surface.
-
-        1 over the largest of int phi^2 dS on the surface among potentials of int |grad phi|^2 dV =
-        1 without a mean there (Rayleigh); 0 without a surface.
-
-        Parameters
-        ----------
-        weight
-            Level area of the surface in each triangle of the sheet (m,) [m^2].
-        """
-        if not weight.any():
-            return 0.0
-        shown = self.values[:, 1:] @ self.inverse
-        shown -= weight @ shown / weight.sum()
-        return 1.0 / float(sl.eigvalsh(shown.T @ (weight[:, None] * shown))[-1])
-
     def kinetic_energy(self, velocity: Array, turn: Turn | None = None) -> float:
         """T [J]; parameters as of ``source``."""
         source = self.source(velocity, turn)
@@ -145,6 +126,34 @@ class RitzShape:
         share = np.repeat(pressure[:, None] * self.area / 3.0, 3, axis=0)
         np.add.at(force, self.liquid.triangles.ravel(), share)
         return force
+
+
+def slowest_wave(values: Array, weight: Array, inverse: Array) -> float:
+    """Return omega^2/g [1/m] of the slowest wave of a level surface; 0 without a surface.
+
+    1 over the largest of int phi^2 dS on the surface among potentials of int |grad phi|^2 dV = 1
+    without a mean there (Rayleigh).
+
+    Parameters
+    ----------
+    values
+        Values of the harmonics but for the constant (N, k - 1) [-] at the surface's samples.
+    weight
+        Level areas of the samples (N,) [m^2].
+    inverse
+        As of ``RitzShape`` (k - 1, k - 1) [m^(-1/2)].
+    """
+    if not weight.any():
+        return 0.0
+    shown = values @ inverse
+    shown -= weight @ shown / weight.sum()  # waves keep the volume
+    return 1.0 / float(np.linalg.eigvalsh(shown.T @ (weight[:, None] * shown))[-1])
+
+
+def regular_inverse(stiffness: Array) -> Array:
+    """Return W (k, k): W W^T is the inverse of a ``stiffness`` (k, k) of ``REGULAR`` and more."""
+    value, vector = sl.eigh(stiffness, check_finite=False)
+    return np.asarray(vector / np.sqrt(np.maximum(value, REGULAR * value[-1])))
 
 
 def bernoulli(
