@@ -167,33 +167,25 @@ def biarc(start: Array, along: Array, end: Array, onward: Array) -> list[Array] 
         return None
     reflected = 2.0 * (along @ chord) * chord - along
     if np.abs(reflected - onward).max() <= EXACT:
-        return [_arc_from(start, along, end)]
+        return [_arc(start, end, at=start, tangent=along)]
     # the root of square - 2 d ahead - d^2 apart = 0 of whole arcs, free of cancellation
     length = square / (ahead + math.sqrt(ahead**2 + apart * square))
     middle = 0.5 * (start + end + length * (along - onward))
-    return [_arc_from(start, along, middle), _arc_to(middle, end, onward)]
+    return [
+        _arc(start, middle, at=start, tangent=along),
+        _arc(middle, end, at=end, tangent=onward),
+    ]
 
 
-def _arc_from(start: Array, along: Array, end: Array) -> Array:
-    """The piece (7,) from ``start`` with the tangent ``along`` to ``end``, each (2,)."""
-    way = end - start
-    inward = np.array([-along[1], along[0]])
+def _arc(start: Array, end: Array, *, at: Array, tangent: Array) -> Array:
+    """The piece (7,) from ``start`` to ``end`` with a ``tangent`` ``at`` one of them, each (2,)."""
+    way = (end if at is start else start) - at
+    inward = np.array([-tangent[1], tangent[0]])
     square, rise = float(way @ way), float(way @ inward)
     if abs(rise) <= STRAIGHT * math.sqrt(square):
         return line((start[0], start[1]), (end[0], end[1]))
     radius = 0.5 * square / rise
-    return np.array([*start, *end, *(start + radius * inward), radius])
-
-
-def _arc_to(start: Array, end: Array, onward: Array) -> Array:
-    """The piece (7,) from ``start`` to ``end`` with the tangent ``onward`` there, each (2,)."""
-    way = start - end
-    inward = np.array([-onward[1], onward[0]])
-    square, rise = float(way @ way), float(way @ inward)
-    if abs(rise) <= STRAIGHT * math.sqrt(square):
-        return line((start[0], start[1]), (end[0], end[1]))
-    radius = 0.5 * square / rise
-    return np.array([*start, *end, *(end + radius * inward), radius])
+    return np.array([*start, *end, *(at + radius * inward), radius])
 
 
 def _tangents(points: Array) -> Array:
