@@ -148,8 +148,8 @@ class Table(MotionKind):
             return []
         return [
             f"motion.file: {section.file}: turns the tank by 90 degrees or more, first at "
-            f"{over[0]:g} s; liquid on top of the rubber is not computed. Check the units and the "
-            "signs of its rotation, or end time.duration before."
+            f"{over[0]:g} s; no run that turns over was held against another answer. Check the "
+            "units and the signs of its rotation, or end time.duration before."
         ]
 
     def instants(self, section: Motion) -> Array:

@@ -35,8 +35,8 @@ class HydrostaticLoad:
     With ``volume`` [m^3] the liquid's volume is a constraint and the datum its multiplier;
     with ``datum`` [Pa] instead the datum is given and the volume goes where it likes.
     ``turn``: how the tank turns in the step, None where it does not; ``body_force`` is in the
-    tank's axes at the step's end. ``recoil`` of a free
-    tank: then ``body_force`` is that of an acceleration a0.
+    tank's axes at the step's end. ``recoil`` of a free tank: then ``body_force`` is that of an
+    acceleration a0.
     """
 
     density: float

@@ -155,8 +155,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] | Mapping[str, Any] = 
     Parameters
     ----------
     path : str or Path
-        The folder or the file. Files named by ``motion.file``, ``carrier.force_file`` and
-        ``diaphragm.thickness_map`` are looked for beside the scene.
+        The folder or the file. Files that the scene names (``TABLE_FILES``) are looked for beside
+        it.
     overrides : Sequence of str or Mapping
         ``key=value`` with dotted keys, the value TOML or else a string; or values by dotted key.
 
