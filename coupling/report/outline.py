@@ -24,7 +24,7 @@ def meridian(shell: Shell, count: int) -> tuple[Array, Array]:
 def levels(shell: Shell, volume: Array, up: Array) -> Array:
     """Return the heights (k,) [m] above the origin, along each ``up``, of a level liquid.
 
-    For pictures: by ``SAMPLES`` slices of the shell, a twentieth of which it misses at most.
+    For pictures: by ``SAMPLES`` slices of the shell, within a twentieth of a slice.
 
     Parameters
     ----------

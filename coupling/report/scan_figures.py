@@ -43,7 +43,7 @@ def scan_maps(nodes: Mapping[str, Array], triangles: Ints) -> list[Picture]:
     for key, word in _POSES.items():
         text = (
             f"Nearest distance, {word}: scan on the gas side in red, on the liquid's in blue. The "
-            "moulded hemisphere unrolled: its pole in the middle, its rim outside, azimuth from x "
+            "moulded shape unrolled: its pole in the middle, its rim outside, azimuth from x "
             "to y. Grey: nothing scanned."
         )
         source = _unrolled(moulded, triangles, 1e3 * nodes[f"normal_{key}_m"])

@@ -36,9 +36,9 @@ def scan_page(table: Mapping[str, Any], nodes: Mapping[str, Array], triangles: I
         title=f"{Path(table['scan']).name} against {Path(table['run']).resolve().name}",
         subtitle=f"{table['scanned_points']:,} points in {table['unit']} · {table['model']} · "
         f"t = {number(table['instant_s'], 's')}",
-        verdict=f"Aligned, the scan lies {_told(mean, 1e3)} mm off the run's diaphragm in "
+        verdict=f"Aligned, the scan lies {_with_error(mean, 1e3)} mm off the run's diaphragm in "
         "the mean.",
-        explanation=f"As given it lies {_told(_given(table), 1e3)} mm off. Alignment "
+        explanation=f"As given it lies {_with_error(_given(table), 1e3)} mm off. Alignment "
         f"explains {percent(share['value'])} of the mean square distance.",
         alarm=" ".join(table["remarks"]),
         sections=[
@@ -56,7 +56,7 @@ def _given(table: Mapping[str, Any]) -> Mapping[str, float]:
     return found
 
 
-def _told(figure: Mapping[str, float] | None, scale: float) -> str:
+def _with_error(figure: Mapping[str, float] | None, scale: float) -> str:
     if figure is None:
         return "–"
     return " ± ".join(written(figure, scale)).replace("-", "−")
@@ -66,7 +66,7 @@ def _statistics(table: Mapping[str, Any]) -> Table:
     rows = [
         [
             f"{name[0].upper()}{name[1:]} (mm)",
-            *(_told(table[one]["figures"].get(key), 1e3) for one in ("as_given", "aligned")),
+            *(_with_error(table[one]["figures"].get(key), 1e3) for one in ("as_given", "aligned")),
         ]
         for key, name in NAMES.items()
     ]
@@ -86,10 +86,10 @@ def _counts(table: Mapping[str, Any]) -> Table:
 
 def _alignment(motion: Mapping[str, Any]) -> Table:
     rows = [
-        [name, "not determined" if motion[key] is None else _told(motion[key], scale)]
+        [name, "not determined" if motion[key] is None else _with_error(motion[key], scale)]
         for key, (name, scale) in _MOTION.items()
     ]
-    rows.append(["Explained of the mean square (%)", _told(motion["explained"], 100.0)])
+    rows.append(["Explained of the mean square (%)", _with_error(motion["explained"], 100.0)])
     note = (
         "What moves the scan onto the run: first the rotation about the tank's axis, then the tilt "
         "and the shift, about the tank's centre. It was looked for from azimuths all "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from coupling.estimate.numbers import numbers_of
 from coupling.fluids import FLUIDS
 from coupling.motion import MOTIONS
@@ -30,6 +32,7 @@ def scene_tables(run: RunFiles) -> list[Table]:
             "Diaphragm’s thickness" + (", mean" if uneven else ""),
             number(1e3 * scene.mean_thickness, "mm", 4),
         ],
+        *_mould_row(scene),
         *_ridge_row(scene),
         ["Diaphragm’s density", number(rubber.density, "kg/m³", 4)],
         ["Young’s modulus", number(rubber.youngs_modulus / 1e6, "MPa")],
@@ -91,6 +94,15 @@ def _carrier_rows(carrier: Carrier) -> list[list[str]]:
             if any(values)
         ),
     ]
+
+
+def _mould_row(scene: Scene) -> list[list[str]]:
+    """A row that says to what the diaphragm is moulded; none for the shell above the rim."""
+    rubber = scene.diaphragm
+    side = "above" if rubber.mould == "upper" else "below"
+    if rubber.mould_profile is not None:
+        return [["Moulded to", f"{Path(rubber.mould_profile).name}, {side} the rim"]]
+    return [] if side == "above" else [["Moulded to", "the shell below the rim"]]
 
 
 def _ridge_row(scene: Scene) -> list[list[str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import known_run as run
@@ -18,9 +19,10 @@ from coupling.report.energy_section import energy_section
 from coupling.report.files import RunFiles, read_run
 from coupling.report.run_report import run_page
 from coupling.report.run_tables import motion_table, rubber_table
+from coupling.report.scene_tables import scene_tables
 from coupling.report.style import thinned
 from coupling.report.verdict import bernoulli_keys
-from coupling.scene.scene import Scene, load_scene
+from coupling.scene.scene import Scene, load_scene, with_overrides
 from coupling.simulation.driver import run as run_scene
 from coupling.store.atomic import write_json
 
@@ -167,3 +169,13 @@ def test_a_report_holds_no_path_of_the_machine_that_ran_it(tmp_path: Path) -> No
     text = write_report(folder).read_text()
     assert str(tmp_path) not in text
     assert "motion.csv" in text
+
+
+@pytest.mark.parametrize(("mould", "said"), [("upper", None), ("lower", "the shell below the rim")])
+def test_a_mould_below_the_rim_is_in_the_table_of_the_scene(mould: str, said: str | None) -> None:
+    scene = with_overrides(
+        load_scene(Path(__file__).parents[3] / "foam_cases" / "pad_sway_coarse"),
+        {"diaphragm.mould": mould},
+    )
+    rows = dict(row[:2] for row in scene_tables(SimpleNamespace(scene=scene, summary={}))[0].rows)
+    assert rows.get("Moulded to") == said
