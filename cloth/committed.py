@@ -20,7 +20,7 @@ def committed(
     rubber, slack = rubber_at(p.model, s.position, p.rest)
     after = Memory(
         position=s.position,
-        velocity=p.kin.velocity(s.position),
+        velocity=p.kin.turned(s.turned).velocity(s.position),
         previous_position=m.position,
         previous_velocity=m.velocity,
         previous_dt=np.array([p.dt]),

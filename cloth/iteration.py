@@ -11,6 +11,7 @@ from cloth.arrays import Array
 from cloth.contact import stuck
 from cloth.ending import Bounds, VolumeLostError, ending
 from cloth.problem import Solution, StepProblem
+from cloth.recoil import turned_in
 from cloth.self_contact.planes import Planes
 
 RESPONSE_EVERY = 5  # iterations between two of the volume's answers to the datum
@@ -37,6 +38,7 @@ class Iteration:
         self.damped = model.bending.moment * (1.0 + p.settings.bending_damping / p.kin.b)
         self.drag = model.mass * p.settings.drag / p.kin.b
         self.largest_force = float(np.abs(force).max())
+        self.external = force
         self.force = np.where(model.free[:, None], p.constant_force + force, 0.0)
         self.x = p.start.copy()
         self.z = np.zeros_like(p.tension)
@@ -57,9 +59,9 @@ class Iteration:
         p, model, bent = self.problem, self.problem.model, self.problem.model.bending
         rhs, gradient = self.force.copy(), self.gradient
         if p.recoil is not None:
-            body_force = p.recoil.body_force(self.x)
-            self.slope = p.load.density * body_force
-            rhs += p.recoil.force(self.x, body_force)
+            answer = p.recoil.answer(self.x, self.external)
+            self.slope = p.load.density * answer.body_force
+            rhs += answer.force
         r = p.settings.relaxation if self.done else 1.0
         cone = triangle_kernels.triangle_step(
             self.x, model.triangles, model.corner_starts, model.corners,
@@ -173,6 +175,7 @@ class Iteration:
             self_rub=self.self_rub,
             pressing=self._pressing(),
             datum=self.datum,
+            turned=turned_in(p.recoil, end.position, self.external),
             volume=end.volume,
             strain=end.strain,
             change=self.left + moved,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cloth.arrays import Array
+from cloth.rotation import rotation_matrix
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +37,18 @@ class Kinematics:
     def velocity(self, position: Array) -> Array:
         """Return the velocity (n, 3) [m/s] at the step's end, at ``position`` (n, 3) [m]."""
         return (position - self.position_anchor) / self.b
+
+    def turned(self, rotation: Array) -> Kinematics:
+        """The same in the axes that are turned by a ``rotation`` vector (3,) [rad]."""
+        if not rotation.any():
+            return self
+        matrix = rotation_matrix(rotation)
+        return replace(
+            self,
+            position_anchor=self.position_anchor @ matrix,
+            velocity_anchor=self.velocity_anchor @ matrix,
+            extrapolation=self.extrapolation @ matrix,
+        )
 
     def local_error(self, position: Array) -> float:
         """Return the rms error [m] that the step adds by its length, at ``position`` (n, 3) [m]."""

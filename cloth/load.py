@@ -27,20 +27,51 @@ class Turn(Protocol):
         """Q (3, 3) from the axes at the start of the step before."""
 
 
-class Recoil(Protocol):
-    """How a free tank gives way to what it contains (``cloth.recoil``), along each axis (3,)."""
+class Rotor(Protocol):
+    """How a free tank turns in a step, about the attitude that the step presumes.
+
+    All in the tank's axes there; theta [rad] is the rotation vector of what is found beyond it.
+    """
 
     @property
-    def mass(self) -> Array:
-        """M (3,) [kg] of tank and contents, with what holds the tank taken into it."""
+    def history(self) -> Array:
+        """R^T R~ S (3, 3) [kg m^2], R~ the attitude without acceleration, S = int x x^T dm."""
+
+    @property
+    def stiffness(self) -> Array:
+        """By how much theta lowers ``torque`` (3, 3) [N m]."""
+
+    @property
+    def torque(self) -> Array:
+        """On the tank by all but its contents, and by p* on the shell as known (3,) [N m]."""
+
+    @property
+    def walls(self) -> Array | None:
+        """C (r, 3) [kg^(1/2) m]: what the turning shell adds to B v, per rad/s; None for none."""
+
+
+class Recoil(Protocol):
+    """How a free tank gives way to what it contains (``cloth.recoil``)."""
+
+    @property
+    def compliance(self) -> Array:
+        """1/M (3, 3) [1/kg] of tank and contents, with what holds the tank taken into it."""
 
     @property
     def density(self) -> float:
         """Of the liquid whose motion in the tank the tank feels [kg/m^3]; 0 for none."""
 
     @property
+    def below_rim(self) -> Array:
+        """int x dV (3,) [m^4] over the shell's inside below the rim."""
+
+    @property
     def prediction(self) -> Array:
         """Q~ (3,) [kg m]: the contents' first moment at the step's end, if not accelerated."""
+
+    @property
+    def rotor(self) -> Rotor | None:
+        """How it turns; None of a tank that is held against turning."""
 
 
 class Load(Protocol):

@@ -58,6 +58,7 @@ class Solution:
     ``pressing`` (n, 2) [N]: the size of the normal force on the shell, and the sum of those on
     other parts of the sheet;
     ``contact``: of the sheet with itself; ``planes``: what kept it apart in the iteration;
+    ``turned`` (3,) [rad]: how a free tank ends beyond the attitude that the step presumes;
     ``admissible``: what made the iterate so meets the tolerance, the volume is kept, and no part
     crosses another; ``converged``: both parts of ``change`` meet it.
     """
@@ -69,6 +70,7 @@ class Solution:
     self_rub: Array
     pressing: Array
     datum: float
+    turned: Array
     volume: float
     strain: Array
     change: float

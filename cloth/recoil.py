@@ -7,16 +7,17 @@ Newton's law of a tank and its contents, of the mass M together, is in a step's 
 with Q the contents' first moment in the tank's frame, so that the body force g - a on sheet and
 liquid is b0 + (Q - Q~)/(b^2 M), b0 = g - a0. That is a negative inertia of rank 3: what moves
 against a light tank has the reduced mass of both. It stands in the step's matrix; left to the
-iterations it would not converge where the tank is light.
+iterations it would not converge where the tank is light. One that turns as well: ``cloth.rotor``.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
-from cloth.linear import System
 from cloth.load import Load, Recoil
 from cloth.model import ClothModel
 
@@ -35,16 +36,16 @@ def _cone_moment(x: Array, triangles: Ints, moment: Array) -> None:
         moment[2] += cone * (a2 + b2 + c2)
 
 
-def first_moment(model: ClothModel, density: float, x: Array) -> Array:
+def first_moment(model: ClothModel, density: float, x: Array, below_rim: Array) -> Array:
     """Q (3,) [kg m] of the sheet at ``x`` (n, 3) [m] and a liquid of ``density`` [kg/m^3] below.
 
-    Exact for the triangles, less the constant of the shell's part below the rim.
+    Exact for the triangles. ``below_rim`` (3,) [m^4]: int x dV over the shell's inside there.
     """
     moment = model.mass @ x
     if density:
         cone = np.zeros(3)
         _cone_moment(x, model.triangles, cone)
-        moment = moment + density / 24.0 * cone
+        moment = moment + density * (cone / 24.0 + below_rim)
     return np.asarray(moment)
 
 
@@ -70,56 +71,69 @@ def moment_rows(model: ClothModel, density: float, x: Array) -> Array:
     return rows
 
 
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a tank does with its contents where they are.
+
+    ``body_force`` (3,) [m/s^2]: gravity less the tank's acceleration, in its axes at the step's
+    end; ``force`` (n, 3) [N]: what that, and the tank's turn, add to the step's right-hand side;
+    ``turned`` (3,) [rad]: by which rotation vector the tank ends beyond what the step presumes.
+    """
+
+    body_force: Array
+    force: Array
+    turned: Array
+
+
 class TankRecoil:
     """The body force of a step in a free tank, and what it adds to the step's matrix.
 
-    ``push`` and ``pull`` (3, n, 3) [sqrt(N/m)]: the step's matrix is A - push^T pull, the former
-    of all that a body force acts on, the latter of all whose motion the tank feels.
+    ``push`` and ``pull`` (k, n, 3) [sqrt(N/m)]: the step's matrix is A - push^T pull, the former
+    of all that the tank's motion acts on, the latter of all whose motion the tank feels.
     """
 
     def __init__(
         self, model: ClothModel, load: Load, recoil: Recoil, *, b: float, start: Array
     ) -> None:
         """In a step of the time ``b`` [s], whose end is looked for from ``start`` (n, 3) [m]."""
-        self._model, self._recoil, self._base = model, recoil, load.body_force
-        self._scale = 1.0 / (b * b * recoil.mass)
+        self._model, self._load, self._recoil = model, load, recoil
+        self._scale = recoil.compliance / b**2
+        root = np.linalg.cholesky(self._scale).T
         same = recoil.density == load.density
-        self.push = self._rows(load, load.density, start)
-        self.pull = self.push if same else self._rows(load, recoil.density, start)
+        self._weight = self._rows(load.density, start)
+        self._felt = self._weight if same else self._rows(recoil.density, start)
+        self.push = np.einsum("jk,kix->jix", root, self._weight)
+        self.pull = self.push if same else np.einsum("jk,kix->jix", root, self._felt)
         self._mass = np.where(model.free, model.mass, 0.0)
 
-    def _rows(self, load: Load, density: float, start: Array) -> Array:
-        """Rows (3, n, 3) of the matrix, about the height at which they feel the volume least.
+    def _rows(self, density: float, start: Array) -> Array:
+        """``moment_rows``, about the height at which they feel the volume least.
 
         A pressure that is the same everywhere is the datum's, and the volume does not change: about
         which point moments are taken is no matter to the step, but about a far one they would
         outweigh an inertia that has no part in a changing volume.
         """
         rows = moment_rows(self._model, density, start)
-        if load.volume is not None and density:
+        if self._load.volume is not None and density:
             _, gradient = self._model.volume_and_gradient(start)
             arm = np.einsum("kix,ix->k", rows, gradient) / float(np.vdot(gradient, gradient))
             rows = rows - arm[:, None, None] * gradient
-        return np.asarray(np.sqrt(self._scale)[:, None, None] * rows)
+        return rows
 
-    def body_force(self, x: Array) -> Array:
-        """Gravity less the tank's acceleration (3,) [m/s^2] with the sheet at ``x`` (n, 3) [m]."""
-        moved = first_moment(self._model, self._recoil.density, x) - self._recoil.prediction
-        return np.asarray(self._base + self._scale * moved)
+    def answer(self, x: Array, external: Array) -> Answer:
+        """Of the tank to a sheet at ``x`` (n, 3) [m], with ``external`` forces (n, 3) [N] on it."""
+        del external
+        recoil = self._recoil
+        felt = first_moment(self._model, recoil.density, x, recoil.below_rim)
+        body_force = self._load.body_force + self._scale @ (felt - recoil.prediction)
+        more = self._mass[:, None] * (body_force - self._load.body_force)
+        return Answer(body_force=body_force, force=more - self._linear(x), turned=np.zeros(3))
 
-    def force(self, x: Array, body_force: Array) -> Array:
-        """Right-hand side (n, 3) [N] at ``x``: more weight than b0's, less what the matrix has."""
-        weight = self._mass[:, None] * (body_force - self._base)
-        linear = np.einsum("kix,k->ix", self.push, np.einsum("kix,ix->k", self.pull, x))
-        return np.asarray(weight - linear)
+    def _linear(self, x: Array) -> Array:
+        """What the matrix has of it at ``x`` (n, 3) [m]: forces (n, 3) [N]."""
+        return np.asarray(np.einsum("kix,k->ix", self.push, np.einsum("kix,ix->k", self.pull, x)))
 
 
-def recoil_in(
-    system: System, model: ClothModel, load: Load, *, b: float, start: Array
-) -> TankRecoil | None:
-    """The recoil of a step with this ``load``, taken into its ``system``; None of a held tank."""
-    if load.recoil is None:
-        return None
-    recoil = TankRecoil(model, load, load.recoil, b=b, start=start)
-    system.take_recoil(recoil.push, recoil.pull)
-    return recoil
+def turned_in(recoil: TankRecoil | None, x: Array, external: Array) -> Array:
+    """``Answer.turned`` (3,) [rad] of a ``recoil``, 0 of a tank that has none."""
+    return np.zeros(3) if recoil is None else recoil.answer(x, external).turned

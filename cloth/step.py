@@ -9,21 +9,18 @@ import numpy as np
 from cloth.arrays import Array
 from cloth.committed import committed
 from cloth.energy import SheetEnergy, SheetLosses, rubber_at, sheet_energy
-from cloth.iteration import iterate
+from cloth.iteration import STEPS, iterate
 from cloth.kinematics import Kinematics
-from cloth.linear import System
-from cloth.load import Load, Settings, penalty_of, step_scale
+from cloth.load import Load, Settings
 from cloth.material import Diaphragm
 from cloth.mesh import Mesh
 from cloth.model import ClothModel
-from cloth.problem import Solution, StepProblem, constant_force
-from cloth.recoil import recoil_in
+from cloth.opening import Opening, Systems
+from cloth.problem import Solution, StepProblem
+from cloth.recoil import turned_in
 from cloth.shell.shell import NO_SHELL, Shell
 from cloth.state import ClothState, Memory, state_of, untouched
-from cloth.turning import carried, expected, inertial, relative, rim_inertia
-from cloth.viscous import free_strain
-
-SYSTEMS_KEPT = 8  # factorised matrices: step lengths times penalties
+from cloth.turning import carried
 
 
 class Cloth:
@@ -79,9 +76,10 @@ class Cloth:
         self.settings = Settings() if settings is None else settings
         self._memory = Memory.at_rest(position, len(mesh.triangles), self.model.volume(position))
         self._memory.rubber_strain, _ = rubber_at(self.model, position)
-        self._systems: dict[tuple[float, float, Settings], System] = {}
-        self._kin: Kinematics | None = None
-        self._carried: Memory | None = None  # of a sheet that is held in a turning shell
+        self._systems = Systems(self.model)
+        self._opening: Opening | None = None  # of the step that has begun
+        self._carried = self._memory  # after it, of a sheet that is held
+        self._turned = np.zeros(3)
         self._losses = SheetLosses()  # in the step that led to the committed state, if known
         self._problem: StepProblem | None = None
         self._first: Solution | None = None
@@ -102,67 +100,24 @@ class Cloth:
         """
         if (load.volume is None) == (load.datum is None):
             raise ValueError("cloth load: give either the volume or the datum, not both.")
-        m = self._memory
         self._solution, self._first = None, None
-        self._kin = kin = inertial(m, dt, load.turn)
-        own = kin if load.turn is None else relative(m, dt)
-        self._carried = m if load.turn is None else carried(m, kin, dt)
-        if self.held:
-            return
-        rows, driven = None, None
-        if liquid_inertia is not None and len(liquid_inertia) > 0:
-            rows = np.where(self.model.free[None, :, None], liquid_inertia / kin.b, 0.0)
-            driven = None if own is kin else rim_inertia(liquid_inertia, self.model, kin)
-        settings = self.settings if settings is None else settings
-        penalty = settings.penalty
-        if penalty is None:
-            inertia = self.model.inertia / kin.b**2
-            stiffest = float(self.model.compressive.max())
-            penalty = penalty_of(load, size=self.model.size, inertia=inertia, compressive=stiffest)
-        system = self._factorised(settings, penalty, kin.b)
-        system.add_mass(rows)
-        start = expected(m, dt, load.turn, self.model.clamped, self.model.free)
-        recoil = recoil_in(system, self.model, load, b=kin.b, start=start)
-        self._problem = StepProblem(
-            model=self.model,
-            settings=settings,
-            penalty=penalty,
-            system=system,
-            dt=dt,
-            scale=step_scale(
-                load,
-                size=self.model.size,
-                areal_density=self.model.inertia / self.model.size**2,
-                dt=dt,
-            ),
-            kin=kin,
-            load=load,
-            own=own,
-            committed=m.position,
-            start=start,
-            datum=float(m.datum[0]),
-            tension=m.tension,
-            rest=free_strain(m.rubber_strain, settings.stretch_damping / dt),
-            contact_force=m.contact_force,
-            constant_force=constant_force(
-                self.model, settings, system, kin, own, load, rows, driven
-            ),
-            recoil=recoil,
+        self._opening = Opening.of(
+            self.model, self._memory, dt, load, liquid_inertia, held=self.held
         )
-
-    def _factorised(self, settings: Settings, penalty: float, b: float) -> System:
-        """The matrix for this b; the last few are kept, so that a first Euler step costs little."""
-        key = (b, penalty, settings)
-        if key not in self._systems:
-            if len(self._systems) >= SYSTEMS_KEPT:
-                self._systems.pop(next(iter(self._systems)))
-            self._systems[key] = self.model.system(settings, penalty, b)
-        return self._systems[key]
+        self._carried = self._memory
+        if load.turn is not None:
+            self._carried = carried(self._memory, self._opening.kin, dt)
+        if not self.held:
+            self._problem = self._opening.problem(self._systems, settings or self.settings)
 
     def _begun(self) -> Kinematics:
-        if self._kin is None:
+        return self._open.kin
+
+    @property
+    def _open(self) -> Opening:
+        if self._opening is None:
             raise RuntimeError("cloth: begin_step comes first.")
-        return self._kin
+        return self._opening
 
     def inertial_prediction(self) -> Array:
         """Return x~ (n, 3) [m]: the acceleration at x is (x - x~) / acceleration_scale."""
@@ -205,26 +160,45 @@ class Cloth:
         """
         self._begun()
         if self.held:
-            return self._memory.position.copy()
+            return self._carry(force)
         assert self._problem is not None
         near = bool(self._memory.near[0])
         self._solution = iterate(self._problem, force, self._first, near=near, alone=alone)
         self._first = self._first or self._solution
+        self._turned = self._solution.turned
         return self._solution.position.copy()
+
+    def _carry(self, force: Array) -> Array:
+        """Where a sheet that is held stays (n, 3) [m], and how its tank turns with it."""
+        step = self._open
+        self._turned = turned_in(step.recoil, step.start, force)
+        if step.load.turn is not None:
+            self._carried = carried(step.memory, step.kin.turned(self._turned), step.dt)
+        return step.start.copy()
+
+    @property
+    def turned(self) -> Array:
+        """Rotation vector (3,) [rad] by which a free tank ends beyond what the step presumes."""
+        return self._turned
+
+    @property
+    def attitude_found(self) -> bool:
+        """Whether that moves the rim by no more than the solve of a sheet at rest may leave."""
+        way = self.model.size * float(np.linalg.norm(self._turned))
+        return way <= self.settings.tolerance * STEPS * self._open.scale
 
     def accept_step(self) -> None:
         """Commit the last solve."""
         self._begun()
         m, s = self._memory, self._solution
         if self.held:
-            assert self._carried is not None
             self._memory = self._carried
             return
         if s is None:
             raise RuntimeError("cloth: accept_step needs a solve first.")
         assert self._problem is not None
         self._memory, self._losses = committed(self._problem, s, m)
-        self._kin = None
+        self._opening = None
 
     def halt(self) -> None:
         """Bring the committed state to rest where it is: no velocity, no history, no rub yet."""
@@ -261,4 +235,4 @@ class Cloth:
     def restore(self, saved: Mapping[str, Array]) -> None:
         """Go back to what ``save`` returned; raises ValueError when names or shapes differ."""
         self._memory = Memory.restored(saved, self._memory)
-        self._kin, self._losses = None, SheetLosses()
+        self._opening, self._losses = None, SheetLosses()

@@ -93,6 +93,16 @@ class ThesisSheet:
         return True
 
     @property
+    def turned(self) -> Array:
+        """Nothing: its tank is never free."""
+        return np.zeros(3)
+
+    @property
+    def attitude_found(self) -> bool:
+        """Always true."""
+        return True
+
+    @property
     def local_error(self) -> float:
         """None: what the thesis' explicit milliseconds add is not estimated."""
         return 0.0

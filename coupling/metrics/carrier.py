@@ -33,17 +33,22 @@ def carrier_summary(steps: StepSeries, scene: Scene) -> dict[str, Any] | None:
     """Largest motions and forces of a free tank by axis, momentum and energies [J] at the end.
 
     ``mass_kg`` of the tank alone; ``momentum_kg_m_s`` of tank and contents. ``contents_work_J``:
-    work on liquid and diaphragm in the tank's frame; ``rest_J``: see ``carrier_rest``. None of a
-    tank whose motion is prescribed.
+    work on liquid and diaphragm in the tank's frame; ``rest_J``: see ``carrier_rest``. The largest
+    rotation vector and moment of what holds it against turning are None of a tank that cannot. All
+    is None of a tank whose motion is prescribed.
     """
     if not scene.carrier.free or "momentum_x" not in steps.metrics or not len(steps.time):
         return None
-    metrics = steps.metrics
+    metrics, turns = steps.metrics, scene.carrier.inertia is not None
     return {
         "mass_kg": scene.carrier.mass,
         "displacement_max_m": np.abs(steps.tank_displacement).max(axis=0),
         "acceleration_max_m_s2": np.abs(steps.tank_acceleration).max(axis=0),
         "support_force_max_N": np.abs(by_axis(steps, "support_force")).max(axis=0),
+        "rotation_max_deg": np.degrees(np.abs(steps.tank_rotation).max(axis=0)) if turns else None,
+        "support_moment_max_N_m": np.abs(by_axis(steps, "support_moment")).max(axis=0)
+        if turns
+        else None,
         "momentum_kg_m_s": by_axis(steps, "momentum")[-1],
         "work_J": metrics["carrier_work"][-1],
         "damper_loss_J": metrics["damper_loss"][-1],

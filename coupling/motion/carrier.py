@@ -6,19 +6,25 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from coupling.motion.frame import Frame
-from coupling.ports import Array, Recoil
+from coupling.ports import Array, Recoil, Turn
 
 
 class Carrier(Protocol):
     """What moves the tank; results are (3,), and all but the steps is of the committed state.
 
-    ``recoil``: of the step opened last, None where nothing that the tank contains moves it.
+    ``recoil``: of the step opened last, None where nothing that the tank contains moves it;
+    ``turn``: how the tank turns in that step, None where it does not.
     """
 
     recoil: Recoil | None
+    turn: Turn | None
 
-    def start(self, moment: Array) -> None:
-        """At rest, the contents' first moment in the tank being ``moment`` (3,) [kg m]."""
+    def start(self, moment: Array, weight: Array) -> None:
+        """At rest, the contents' first moment in the tank being ``moment`` (3,) [kg m].
+
+        It is that of contents whose motion in the tank the tank feels; ``weight`` (3,) [kg m] is
+        that of all that has weight.
+        """
 
     def begin_step(self) -> None:
         """A step of the run begins, which may be taken in parts."""
@@ -26,13 +32,21 @@ class Carrier(Protocol):
     def body_force(self, start: float, end: float, previous: float) -> Array:
         """Open a part from ``start`` to ``end`` [s]; b [m/s^2] of it, but for the ``recoil``.
 
-        ``previous`` [s]: length of the part before, 0 where there was none.
+        ``previous`` [s]: length of the part before, 0 where there was none. In the tank's axes at
+        the end, as are ``recoil`` and ``turn``; those of a tank that is free to turn are presumed.
         """
 
-    def accept(self, moment: Callable[[], Array], body_force: Array) -> Array:
-        """Commit the part that was opened last; b [m/s^2] at its end.
+    def again(self, turned: Array) -> Array:
+        """As ``body_force``, of the part that is open, with another attitude presumed at its end.
 
-        ``moment()`` (3,) [kg m] as in ``start``, there; ``body_force`` (3,): what opening it gave.
+        ``turned`` (3,) [rad]: rotation vector from the one presumed before, in its axes.
+        """
+
+    def accept(self, moment: Callable[[], Array], body_force: Array, turned: Array) -> Array:
+        """Commit the part that was opened last; b [m/s^2] at its end, in the tank's axes there.
+
+        ``moment()`` (3,) [kg m] as in ``start``, there; ``body_force`` (3,): what opening it gave;
+        ``turned`` (3,) [rad]: what is found beyond the attitude presumed.
         """
 
     def acceleration(self, start: float, end: float) -> Array:
@@ -43,6 +57,12 @@ class Carrier(Protocol):
 
     def displacement(self, time: float) -> Array:
         """Of the tank [m], from where it stood at time 0."""
+
+    def attitude(self, time: float) -> Array | None:
+        """R (3, 3), from the tank's axes to those that do not turn; None of one that never does."""
+
+    def rate(self, time: float) -> Array:
+        """Angular velocity [rad/s], in the tank's own axes."""
 
     def metrics(self) -> dict[str, float]:
         """Scalars for the results."""
@@ -61,8 +81,9 @@ class Prescribed:
 
     def __init__(self, frame: Frame) -> None:
         self.frame = frame
+        self.turn: Turn | None = None
 
-    def start(self, moment: Array) -> None:
+    def start(self, moment: Array, weight: Array) -> None:
         """Nothing: what it contains does not move it."""
 
     def begin_step(self) -> None:
@@ -70,11 +91,16 @@ class Prescribed:
 
     def body_force(self, start: float, end: float, previous: float) -> Array:
         """That of the frame."""
+        self.turn = self.frame.turn(start, end, previous)
         return self.frame.body_force(start, end, previous)
 
-    def accept(self, moment: Callable[[], Array], body_force: Array) -> Array:
+    def again(self, turned: Array) -> Array:
+        """Never asked for: its attitude is known."""
+        raise NotImplementedError
+
+    def accept(self, moment: Callable[[], Array], body_force: Array, turned: Array) -> Array:
         """What it was."""
-        del moment
+        del moment, turned
         return body_force
 
     def acceleration(self, start: float, end: float) -> Array:
@@ -88,6 +114,14 @@ class Prescribed:
     def displacement(self, time: float) -> Array:
         """That of the frame."""
         return self.frame.displacement(time)
+
+    def attitude(self, time: float) -> Array | None:
+        """That of the frame."""
+        return None if self.frame.turning is None else self.frame.attitude(time)
+
+    def rate(self, time: float) -> Array:
+        """That of the frame."""
+        return self.frame.rate(time)
 
     def metrics(self) -> dict[str, float]:
         """None: the motion is known."""

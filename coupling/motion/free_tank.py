@@ -1,4 +1,4 @@
-"""A tank that nothing but springs, dampers and a given force holds; it does not turn.
+"""A tank that nothing but springs, dampers and given forces and moments hold.
 
 With P = M v + dQ/dt the momentum of tank and contents, M their mass and Q the contents' first
 moment in the tank's frame, Newton's law of the whole asks for
@@ -8,21 +8,23 @@ moment in the tank's frame, Newton's law of the whole asks for
 d the tank's displacement, s the ground's. So the contents' force on the tank is that of their
 momentum, not an integral of pressures: without F, K and C the momentum is kept to rounding. The
 time scheme is the sheet's (``cloth.kinematics``), and a as a function of Q stands in the sheet's
-own step (``cloth.recoil``). A liquid without a flow has no momentum of its own in the tank: its
-pressure takes none from it, and felt by the tank alone that would be an inertia below zero.
+own step (``cloth.recoil``). How it turns, where it is free to: ``free_rotation``. A liquid without
+a flow has no momentum of its own in the tank: its pressure takes none from it, and felt by the tank
+alone that would be an inertia below zero.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cloth.kinematics import Kinematics, kinematics
 from coupling.motion.frame import Frame
+from coupling.motion.free_rotation import FreeRotation
 from coupling.motion.table import TableMotion
-from coupling.ports import Array, Recoil
+from coupling.ports import Array, Recoil, Turn
 from coupling.scene.carrier import Carrier
 
 # Committed arrays, each (3,) but for the step before [s] and the energies [J] since the start.
@@ -37,42 +39,53 @@ _NAMES = (
 class _Part:
     """A part of a step that is open: from ``start`` to ``end`` [s].
 
-    ``unmoved`` (3,) [m/s^2]: a0, the tank's acceleration if the contents keep theirs in it.
+    ``unmoved`` (3,) [m/s^2]: a0, the tank's acceleration if the contents keep theirs in it;
+    ``mass`` (3,) [kg]: of tank and contents, with springs and dampers taken into it.
     """
 
     start: float
     end: float
     unmoved: Array
+    mass: Array
     tank: Kinematics
     moment: Kinematics
 
 
 class FreeTank:
-    """Moves as it is pushed; ``recoil`` is that of the part of a step that was opened last.
+    """Moves as it is pushed; ``recoil``, ``turn``: of the part of a step that was opened last.
 
     ``section``: its springs, dampers and forces; ``frame``: gravity, and how the ground moves;
     ``mass`` [kg] of tank and contents; ``density`` [kg/m^3] of a liquid that has a momentum of its
-    own in the tank, 0 for none.
+    own in the tank, 0 for none; ``below_rim`` (3,) [m^4]: int x dV over the shell's inside there.
     """
 
-    def __init__(self, section: Carrier, frame: Frame, *, mass: float, density: float) -> None:
-        self.frame, self.mass, self.density = frame, mass, density
+    def __init__(
+        self, section: Carrier, frame: Frame, *, mass: float, density: float, below_rim: Array
+    ) -> None:
+        self.frame, self.mass, self.density, self._below_rim = frame, mass, density, below_rim
         self.springs, self.dampers = np.array(section.springs), np.array(section.dampers)
         self.forces = None if section.forces is None else TableMotion(section.forces)
+        self.rotation = None if section.inertia is None else FreeRotation(section)
         self.recoil: Recoil | None = None
+        self.turn: Turn | None = None
         self._now = {name: np.zeros(3) for name in _NAMES}
         self._part: _Part | None = None
 
-    def start(self, moment: Array) -> None:
-        """At rest, the contents' first moment being ``moment`` (3,) [kg m]."""
+    def start(self, moment: Array, weight: Array) -> None:
+        """At rest, the contents' first moment being ``moment`` (3,) [kg m], as in ``accept``.
+
+        ``weight`` (3,) [kg m]: that of all of them.
+        """
         self._now["moment"] = self._now["previous_moment"] = moment
+        if self.rotation is not None:
+            self.rotation.start(np.cross(weight, self.frame.gravity))
 
     def begin_step(self) -> None:
         """Keep the acceleration where the step begins."""
         self._now["first_acceleration"] = self._now["acceleration"]
 
     def body_force(self, start: float, end: float, previous: float) -> Array:
-        """Open a part of a step; g - a0, a0 the acceleration of contents that keep theirs."""
+        """Open a part of a step; g - a0, a0 the acceleration if the contents keep theirs."""
         now, before = self._now, float(self._now["previous_dt"][0])
         tank, moment = (
             kinematics(
@@ -83,12 +96,42 @@ class FreeTank:
         )  # fmt: skip
         b = tank.b
         mass = self.mass + b * (self.dampers + b * self.springs)
-        self.recoil = Recoil(mass=mass, density=self.density, prediction=moment.prediction)
         pushed = self._support(end, tank.prediction, tank.velocity_anchor)
         if self.forces is not None:
             pushed = pushed + self.forces.step_acceleration(start, end, previous)
-        self._part = _Part(start=start, end=end, unmoved=pushed / mass, tank=tank, moment=moment)
-        return np.asarray(self.frame.gravity - self._part.unmoved)
+        self._part = _Part(
+            start=start, end=end, unmoved=pushed / mass, mass=mass, tank=tank, moment=moment
+        )
+        if self.rotation is not None:
+            self.rotation.open(start, end, previous)
+        return self._presumed()
+
+    def again(self, turned: Array) -> Array:
+        """As ``body_force``, of the part that is open, ``turned`` (3,) [rad] further at its end."""
+        assert self.rotation is not None
+        self.rotation.presume(turned)
+        return self._presumed()
+
+    def _presumed(self) -> Array:
+        """Body force, recoil and turn of the open part in the tank's axes, as they are presumed."""
+        part, ground = self._opened, np.eye(3)
+        recoil = Recoil(
+            compliance=np.diag(1.0 / part.mass), density=self.density,
+            prediction=part.moment.prediction, below_rim=self._below_rim,
+        )  # fmt: skip
+        if self.rotation is not None:
+            ground, self.turn = self.rotation.presumed, self.rotation.turn()
+            recoil = replace(
+                recoil, compliance=ground.T @ recoil.compliance @ ground,
+                prediction=recoil.prediction @ ground, rotor=self.rotation.rotor(),
+            )  # fmt: skip
+        self.recoil = recoil
+        return np.asarray((self.frame.gravity - part.unmoved) @ ground)
+
+    @property
+    def _opened(self) -> _Part:
+        assert self._part is not None, "body_force comes first"
+        return self._part
 
     def _support(self, time: float, displacement: Array, velocity: Array) -> Array:
         """Force (3,) [N] of springs and dampers, beyond what holds the tank up at rest."""
@@ -96,14 +139,15 @@ class FreeTank:
         stretched = displacement - ground.displacement(time)
         return -self.springs * stretched - self.dampers * (velocity - ground.velocity(time))
 
-    def accept(self, moment: Callable[[], Array], body_force: Array) -> Array:
+    def accept(self, moment: Callable[[], Array], body_force: Array, turned: Array) -> Array:
         """Commit the part that was opened last: Newton's law with the contents' ``moment``."""
         del body_force
-        part, recoil, now, there = self._part, self.recoil, self._now, moment()
-        assert part is not None
-        assert recoil is not None
+        part, now, ground = self._opened, self._now, np.eye(3)
+        if self.rotation is not None:
+            ground = self.rotation.accept(turned)
+        there = ground @ moment()
         b, dt = part.tank.b, part.end - part.start
-        contents = (there - recoil.prediction) / (b * b * recoil.mass)
+        contents = (there - part.moment.prediction) / (b * b * part.mass)
         acceleration = part.unmoved - contents
         velocity = part.tank.velocity_anchor + b * acceleration
         after = {
@@ -122,7 +166,7 @@ class FreeTank:
             }
             | self._energies(part, after, acceleration)
         )  # fmt: skip
-        return np.asarray(self.frame.gravity - acceleration)
+        return np.asarray((self.frame.gravity - acceleration) @ ground)
 
     def _energies(
         self, part: _Part, after: Mapping[str, Array], acceleration: Array
@@ -162,6 +206,16 @@ class FreeTank:
         del time
         return self._now["displacement"]
 
+    def attitude(self, time: float) -> Array | None:
+        """At the end of the last step, None of a tank that is held against turning."""
+        del time
+        return None if self.rotation is None else self.rotation.attitude
+
+    def rate(self, time: float) -> Array:
+        """At the end of the last step [rad/s]."""
+        del time
+        return np.zeros(3) if self.rotation is None else self.rotation.rate
+
     def metrics(self) -> dict[str, float]:
         """Velocity [m/s], force of the support [N] and momentum [kg m/s] by axis; energies [J].
 
@@ -180,18 +234,25 @@ class FreeTank:
             for name, vector in vectors.items()
             for axis, value in zip("xyz", vector, strict=True)
         }
-        return found | {
+        energies = {
             "carrier_kinetic_energy": kinetic,
             "spring_energy": 0.5 * float(self.springs @ stretched**2),
             "carrier_work": float(now["work"].sum()),
             "damper_loss": float(now["damped"].sum()),
             "contents_work": float(now["contents"].sum()),
         }
+        if self.rotation is None:
+            return found | energies
+        turning = self.rotation.metrics()
+        sums = {name: energy + turning[name] for name, energy in energies.items()}
+        return found | turning | sums
 
     def save(self) -> dict[str, Array]:
         """Everything ``restore`` needs."""
-        return dict(self._now)
+        return self._now | ({} if self.rotation is None else self.rotation.save())
 
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``."""
         self._now = {name: saved[name] for name in _NAMES}
+        if self.rotation is not None:
+            self.rotation.restore(saved)

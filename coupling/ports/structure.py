@@ -14,17 +14,38 @@ from coupling.ports.turn import Turn
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recoil:
-    """How a free tank gives way in a step: M (a - a0) = -(Q - Q~)/b^2, along each axis (3,).
+class Rotor:
+    """How a free tank turns in a step, about the attitude R that the step presumes.
 
-    ``mass`` M [kg] of tank and contents, with springs and dampers taken into it; Q [kg m] is the
-    first moment of the sheet and of a liquid of ``density`` [kg/m^3] (0: its motion in the tank is
-    not felt), ``prediction`` Q~ [kg m] that of contents which are not accelerated in the tank.
+    ``history`` R^T R~ S (3, 3) [kg m^2], R~ being the attitude without acceleration and S int x x^T
+    dm of the tank alone; ``torque`` (3,) [N m] on it by all but its contents, and by p* on the
+    shell as far as it is known before the step; ``stiffness`` (3, 3) [N m]: by how much a turn
+    beyond R lowers that. ``walls`` C (r, 3) [kg^(1/2) m]: the turning shell's part of the liquid's
+    inertia, whose kinetic energy is |B v + C omega|^2/2; None for none. In the tank's axes at R.
     """
 
-    mass: Array
+    history: Array
+    torque: Array
+    stiffness: Array
+    walls: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recoil:
+    """How a free tank gives way in a step: M (a - a0) = -(Q - Q~)/b^2.
+
+    ``compliance`` 1/M (3, 3) [1/kg] of tank and contents, with springs and dampers taken into it; Q
+    [kg m] is the first moment of the sheet and of a liquid of ``density`` [kg/m^3] (0: its motion
+    in the tank is not felt), ``prediction`` Q~ [kg m] that of contents which are not accelerated in
+    the tank; ``below_rim`` (3,) [m^4]: int x dV over the shell's inside there. ``rotor``: how it
+    turns, None of a tank that is held against turning. All in the tank's axes at the step's end.
+    """
+
+    compliance: Array
     density: float
     prediction: Array
+    below_rim: Array
+    rotor: Rotor | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,8 @@ _ROWS = (
     ("Largest displacement (mm)", "displacement_max_m", 1e3),
     ("Largest acceleration (m/s²)", "acceleration_max_m_s2", 1.0),
     ("Largest force of springs and dampers (N)", "support_force_max_N", 1.0),
+    ("Largest rotation (°)", "rotation_max_deg", 1.0),
+    ("Largest moment of what holds it (N m)", "support_moment_max_N_m", 1.0),
     ("Momentum with the contents at the end (kg m/s)", "momentum_kg_m_s", 1.0),
 )
 _ENERGIES = (
@@ -29,7 +31,9 @@ def carrier_section(run: RunFiles) -> Section | None:
     if found is None:
         return None
     moved = [
-        [head, *(number(scale * value) for value in found[name])] for head, name, scale in _ROWS
+        [head, *(number(scale * value) for value in found[name])]
+        for head, name, scale in _ROWS
+        if found.get(name) is not None
     ]
     energies = [[head, number(found[name], "J")] for head, name in _ENERGIES]
     return Section(

@@ -85,7 +85,10 @@ def _carrier_rows(carrier: Carrier) -> list[list[str]]:
     if not carrier.free:
         return []
     held = {"Springs along x, y, z (N/m)": carrier.springs,
-            "Dampers along x, y, z (N s/m)": carrier.dampers}  # fmt: skip
+            "Dampers along x, y, z (N s/m)": carrier.dampers,
+            "Moments of inertia of it (kg m²)": carrier.inertia or (),
+            "Springs about x, y, z (N m/rad)": carrier.rotational_springs,
+            "Dampers about x, y, z (N m s/rad)": carrier.rotational_dampers}  # fmt: skip
     return [
         ["Free tank’s mass", number(carrier.mass, "kg")],
         *(

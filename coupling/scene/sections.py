@@ -44,6 +44,7 @@ def _as_tuple(value: Any) -> Any:
 
 
 Vector = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
+OptionalVector = Annotated[tuple[float, float, float] | None, BeforeValidator(_as_tuple)]
 
 
 # In SI units no quantity of a tank lies outside; products and ratios of a few of them are finite.
@@ -159,7 +160,7 @@ class Motion(Section):
     axis: Vector = Field(
         default=(0.0, 1.0, 0.0), description="direction of the axis that a sine turns about"
     )
-    point: Annotated[tuple[float, float, float] | None, BeforeValidator(_as_tuple)] = Field(
+    point: OptionalVector = Field(
         default=None,
         description="three numbers: place in the tank's axes, from the middle of its rim [m], that "
         "a sine turns about, or where the accelerations of a table with rotation were measured",

@@ -15,7 +15,7 @@ from cloth.mesh import rest_gradients
 from coupling.fluids import FLUIDS
 from coupling.fluids.model import Record
 from coupling.fluids.supply import supply_of
-from coupling.interface.liquid_shape import cone_moment
+from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.expulsion import Expulsion
 from coupling.metrics.fold_figures import FoldFigures
 from coupling.motion.carrier import Carrier, Prescribed
@@ -60,7 +60,7 @@ class Participants:
         self.tally = Tally(scene, self.cloth.thickness, areas)
         self.carrier = self._carrier()
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
-        self.halving = Halving(control=self._error_control())
+        self.halving = Halving(control=self._error_control(), again=self._again)
         self.band = PressureBand(scene)
         self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
@@ -72,16 +72,22 @@ class Participants:
             return Prescribed(self.frame)
         contents = density * self.supply.volume(0.0) + float(self.cloth.mass.sum())
         felt = density if self.model.has_flow else 0.0
-        return FreeTank(section, self.frame, mass=section.mass + contents, density=felt)
+        below = np.array([0.0, 0.0, self.scene.tank.shell.moment_below(0.0)])
+        return FreeTank(
+            section, self.frame, mass=section.mass + contents, density=felt, below_rim=below
+        )
 
     def _moment(self) -> Array:
         """First moment (3,) [kg m] of the sheet, and of a liquid that has a flow."""
-        state = self.cloth.state
-        moment = self.cloth.mass @ state.position
         if self.model.has_flow:
-            cone = cone_moment(state.position, self.cloth.triangles)
-            moment = moment + self.scene.liquid.density * cone
-        return np.asarray(moment)
+            return self._weight()
+        return np.asarray(self.cloth.mass @ self.cloth.state.position)
+
+    def _weight(self) -> Array:
+        """First moment (3,) [kg m] of sheet and liquid."""
+        state, liquid = self.cloth.state, self.scene.liquid.density
+        cg = liquid_cg(state.position, self.cloth.triangles, self.scene.tank.shell, state.volume)
+        return np.asarray(self.cloth.mass @ state.position + liquid * state.volume * cg)
 
     def _error_control(self) -> ErrorControl | None:
         """What bounds the error of a step, where the scene asks for it."""
@@ -105,7 +111,7 @@ class Participants:
         ``record`` is called after every coupling iteration, as ``FluidModel.time_step`` has it.
         """
         self._couple(record)
-        self.carrier.start(self._moment())
+        self.carrier.start(self._moment(), self._weight())
         with self._timed("fluid"):
             self.step.start()
 
@@ -155,7 +161,7 @@ class Participants:
 
     def _taken(self, dt: float) -> None:
         """Note the end of a part of ``dt`` [s]."""
-        body_force = self.carrier.accept(self._moment, self._load.body_force)
+        body_force = self.carrier.accept(self._moment, self._load.body_force, self.cloth.turned)
         self._load = replace(self._load, body_force=body_force)
         self._parts.append((dt, self.cloth.losses(), self.cloth.converged))
         self.tally.solved(self.cloth.iterations, converged=self.cloth.converged)
@@ -174,8 +180,17 @@ class Participants:
         previous = self.cloth.previous_step
         body_force = self.carrier.body_force(start, end, previous)
         load = self._load_model.load(body_force, self.supply.volume(end))
-        turn, recoil = self.frame.turn(start, end, previous), self.carrier.recoil
-        self._load = replace(load, turn=turn, recoil=recoil)
+        self._load = replace(load, turn=self.carrier.turn, recoil=self.carrier.recoil)
+        return self._load
+
+    def _again(self) -> HydrostaticLoad | None:
+        """The load in the attitude that the last attempt has found, None where it presumed that."""
+        if self.cloth.attitude_found:
+            return None
+        body_force = self.carrier.again(self.cloth.turned)
+        self._load = replace(
+            self._load, body_force=body_force, turn=self.carrier.turn, recoil=self.carrier.recoil
+        )
         return self._load
 
     def _acceleration(self, time: float) -> Array:
@@ -196,15 +211,13 @@ class Participants:
 
     def _turned(self, time: float) -> tuple[Array, Array] | None:
         """Attitude (3, 3) and rate (3,) [rad/s] of a tank that turns, None of any other."""
-        if self.frame.turning is None:
-            return None
-        return self.frame.attitude(time), self.frame.rate(time)
+        attitude = self.carrier.attitude(time)
+        return None if attitude is None else (attitude, self.carrier.rate(time))
 
     def _rotation(self, time: float) -> Array:
         """Rotation vector (3,) [rad] of the tank."""
-        if self.frame.turning is None:
-            return np.zeros(3)
-        return rotation_vector(self.frame.attitude(time))
+        attitude = self.carrier.attitude(time)
+        return np.zeros(3) if attitude is None else rotation_vector(attitude)
 
     def sample(self, time: float, report: StepReport, metrics: dict[str, float]) -> Sample:
         """Results of the committed state at ``time`` [s], with ``metrics`` among its own."""
@@ -217,7 +230,7 @@ class Participants:
             time, state=state, triangles=self.cloth.triangles, shell=self.scene.tank.shell,
             load=self._load, acceleration=self._acceleration(time),
             displacement=self.carrier.displacement(time), rotation=self._rotation(time),
-            rate=self.frame.rate(time), flow=liquid, pressures=pressures,
+            rate=self.carrier.rate(time), flow=liquid, pressures=pressures,
             iterations=report.iterations, residual=report.residual,
             metrics=metrics | self.step.metrics(liquid) | own | self.carrier.metrics(),
         )  # fmt: skip

@@ -14,6 +14,8 @@ Load = Callable[[float, float], HydrostaticLoad]
 _log = logging.getLogger(__name__)
 # Of the tolerance, the error below which steps of twice the length will do: theirs is 8 times it.
 _SMALL = 1.0 / 8.0
+# Of an attempt whose load was not what it should have been; each squares what was wrong.
+REPEATED = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,9 +45,14 @@ class Halving:
     """
 
     def __init__(
-        self, settings: HalvingSettings | None = None, *, control: ErrorControl | None = None
+        self,
+        settings: HalvingSettings | None = None,
+        *,
+        control: ErrorControl | None = None,
+        again: Callable[[], HydrostaticLoad | None] = lambda: None,
     ) -> None:
-        self.settings, self.control = settings or HalvingSettings(), control
+        """``again()``: the load under which to repeat the last attempt, None where it will do."""
+        self.settings, self.control, self.again = settings or HalvingSettings(), control, again
         self._depth = 0  # halvings that the next part begins with
         self._error = 0.0  # of the last attempt [m]
 
@@ -91,6 +98,14 @@ class Halving:
         """Whether the part will do."""
         try:
             good = step.attempt(now, dt, load(now, now + dt))
+            for _ in range(REPEATED):
+                if (repeated := self.again()) is None:
+                    break
+                good = step.attempt(now, dt, repeated)
+            else:
+                raise ArithmeticError(
+                    f"tank: its attitude is not found in {REPEATED} repetitions of the step."
+                )
         except (ArithmeticError, StepFailed) as failure:
             if last:
                 raise

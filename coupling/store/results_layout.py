@@ -126,6 +126,7 @@ METRIC_UNITS = {
     **dict.fromkeys(("fold_number", "layers_touch"), "-"),
     **{f"tank_velocity_{axis}": "m/s" for axis in "xyz"},
     **{f"support_force_{axis}": "N" for axis in "xyz"},
+    **{f"support_moment_{axis}": "N m" for axis in "xyz"},
     **{f"momentum_{axis}": "kg m/s" for axis in "xyz"},
     "volume_error": "-",
     "continuity_error": "-",

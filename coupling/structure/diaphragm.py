@@ -63,6 +63,17 @@ class Diaphragm(IterativeStructure, Protocol):
         """Whether the last solve met its tolerance and kept the volume."""
 
     @property
+    def turned(self) -> Array:
+        """Rotation vector (3,) [rad] by which the last solve ends beyond the attitude presumed.
+
+        Of a free tank that turns, in the axes of that attitude; 0 of any other.
+        """
+
+    @property
+    def attitude_found(self) -> bool:
+        """Whether that is within the tolerance of a solve."""
+
+    @property
     def state(self) -> DiaphragmState:
         """The committed state."""
 

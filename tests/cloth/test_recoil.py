@@ -1,6 +1,6 @@
 """A free tank's recoil: its moments against differences, its matrix against a dense one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -21,11 +21,12 @@ RADIUS, WATER = 0.4, 1000.0
 class Given:
     """A load and its recoil in one."""
 
-    mass: np.ndarray
+    compliance: np.ndarray
     prediction: np.ndarray
     density: float = WATER
     volume: float | None = 0.1
     datum: float | None = None
+    below_rim: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -0.02]))
 
     @property
     def body_force(self):
@@ -58,7 +59,9 @@ def test_rows_are_the_moment_s_derivative(model, moved, density: float):
     rows = moment_rows(model, density, moved)
     way = np.random.default_rng(2).standard_normal(moved.shape) * model.free[:, None]
     step = 1e-5
-    both = [first_moment(model, density, moved + sign * step * way) for sign in (1.0, -1.0)]
+    both = [
+        first_moment(model, density, moved + sign * step * way, np.zeros(3)) for sign in (1.0, -1.0)
+    ]
     found = np.einsum("kix,ix->k", rows, way)
     # Third derivative over 6: the density times some of the mesh's way cubed.
     allowed = 1e-8 * np.abs(found).max() + WATER * step**2 * np.sum(way**2) * np.abs(way).max()
@@ -80,11 +83,13 @@ def test_pressure_of_the_recoil_is_that_of_the_iteration(model, moved):
 def test_body_force_answers_to_what_moves(model, moved):
     """Contents of a tenth of the mass that accelerate by 1 m/s^2 push the tank back by 0.1."""
     b, mass = 0.01, 10.0 * model.mass.sum()
-    start = first_moment(model, 0.0, moved)
-    given = Given(mass=np.full(3, mass), prediction=start, density=0.0, volume=None)
+    start = first_moment(model, 0.0, moved, np.zeros(3))
+    given = Given(compliance=np.eye(3) / mass, prediction=start, density=0.0, volume=None)
     step = TankRecoil(model, given, given, b=b, start=moved)
     moved = moved + b * b * np.array([0.0, 1.0, 0.0])
-    assert step.body_force(moved) == pytest.approx([0.3, 0.1, -9.81])
+    found = step.answer(moved, np.zeros_like(moved))
+    assert found.body_force == pytest.approx([0.3, 0.1, -9.81])
+    assert not found.turned.any()
 
 
 def dense(system_of, rows: np.ndarray, free: np.ndarray) -> np.ndarray:

@@ -55,13 +55,23 @@ class OpenFoamModel(FluidModel):
     )
 
     def problems(self, scene: Scene) -> list[str]:
-        """A solver that is restarted takes no steps of uneven lengths."""
-        if scene.time.step_tolerance is None or scene.openfoam.keep_alive:
-            return []
-        return [
-            "time.step_tolerance: takes steps of uneven lengths, which a restarted solver cannot. "
-            "Set openfoam.keep_alive = true, or leave it out."
-        ]
+        """A restarted solver's steps are even; a tank turns freely where its shell moves no liquid.
+
+        What the flow does on a shell that turns is not known before it is solved.
+        """
+        found = []
+        if scene.time.step_tolerance is not None and not scene.openfoam.keep_alive:
+            found.append(
+                "time.step_tolerance: takes steps of uneven lengths, which a restarted solver "
+                "cannot. Set openfoam.keep_alive = true, or leave it out."
+            )
+        if scene.carrier.inertia is not None and scene.tank.shape != "sphere":
+            found.append(
+                f'carrier.inertia: with model.fluid = "{self.name}" a tank turns freely only if it '
+                f'is a sphere, got tank.shape = "{scene.tank.shape}". Take model.fluid = '
+                '"potential", or leave the inertia out.'
+            )
+        return found
 
     def load_model(self, scene: Scene) -> Hydrostatic:
         """The part of the pressure that the flow's equations leave out."""

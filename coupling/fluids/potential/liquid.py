@@ -162,8 +162,12 @@ class PotentialLiquid:
         """Return what p* does on a shell that turns [W]; parameters as of ``sample``."""
         if turn is None:
             return 0.0
+        return float(self.wall_moment(rate, coefficient) @ turn.rate)
+
+    def wall_moment(self, rate: Array, coefficient: Array) -> Array:
+        """Return the moment (3,) [N m] of p* on the shell; parameters as of ``sample``."""
         pressure, _ = bernoulli(self.ritz, self._shell_values, rate, coefficient)
-        return float(pressure @ self._lever @ turn.rate)
+        return np.asarray(pressure @ self._lever)
 
     def _free(self, points: Array) -> NDArray[np.bool_]:
         """Triangles (m,) with a corner more than half an edge off what rests on the shell."""

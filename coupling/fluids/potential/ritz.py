@@ -83,6 +83,12 @@ class RitzShape:
         scaled = np.sqrt(self.liquid.density) * self.inverse.T @ self.flux.T
         return np.asarray(scaled).reshape(len(scaled), -1, 3)
 
+    def walls(self) -> Array:
+        """What walls that turn add to it, C (k - 1, 3) [kg^(1/2) m]: T = |B v + C omega|^2/2."""
+        if self.liquid.spun is None:
+            return np.zeros((len(self.inverse), 3))
+        return np.asarray(np.sqrt(self.liquid.density) * self.inverse.T @ self.liquid.spun[1:])
+
     def source(self, velocity: Array, turn: Turn | None = None) -> Array:
         """Int H_i u_n dS (k - 1,) [m^3/s] over what moves.
 

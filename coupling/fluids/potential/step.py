@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cloth.kinematics import kinematics
 from coupling.fluids.potential.liquid import PotentialLiquid
 from coupling.fluids.potential.turning import TurnedHarmonics, in_tank
+from coupling.fluids.potential.wall_layers import WallLayers
 from coupling.fluids.sampled import liquid_metrics
 from coupling.ports import (
     AnyArray,
@@ -127,7 +128,8 @@ class PotentialStep:
                 drag = layers.force(expected, along)
                 force = shape.force(shape.pressure(known, expected)) + drag
             with self._watch.timed("structure"):
-                self.structure.begin_step(dt, load, rows)
+                with_walls = self._with_walls(load, layers, nodes.b, known, expected)
+                self.structure.begin_step(dt, with_walls, rows)
                 end = self.structure.solve(force)
             self._shapes += 1
             missed = np.mean(np.sum((end - points) ** 2, axis=1))
@@ -161,6 +163,16 @@ class PotentialStep:
                 "force": force, "energy": np.array([energy]), "removed": now["removed"] + excess,
                 "layer_loss": now["layer_loss"] + lost, "wall_power": np.array([on_walls]),
             }  # fmt: skip
+
+    def _with_walls(
+        self, load: HydrostaticLoad, layers: WallLayers, b: float, known: Array, expected: Array
+    ) -> HydrostaticLoad:
+        """``load`` with what a shell that is free to turn has to do with the liquid."""
+        if load.recoil is None or load.recoil.rotor is None:
+            return load
+        rotor, on_walls = load.recoil.rotor, self.liquid.wall_moment(known, expected)
+        rotor = replace(rotor, torque=rotor.torque + on_walls, walls=layers.walls(b))
+        return replace(load, recoil=replace(load.recoil, rotor=rotor))
 
     def _forget(self) -> None:
         """Take the potentials of the history in the present shape, before a shorter attempt.

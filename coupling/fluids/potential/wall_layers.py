@@ -94,9 +94,16 @@ class WallLayers:
 
         B^T B v/b is then what pushes the liquid in an implicit step from rest, rho A^T (1/b + D) c.
         """
-        rows, size = self.shape.rows(), len(self.decay)
-        root = np.linalg.cholesky(np.eye(size) + b * self.decay)
-        return np.asarray(root.T @ rows.reshape(size, -1)).reshape(rows.shape)
+        rows = self.shape.rows()
+        return np.asarray(self._root(b).T @ rows.reshape(len(rows), -1)).reshape(rows.shape)
+
+    def walls(self, b: float) -> Array:
+        """Return what a shell that turns adds to those rows, C (k - 1, 3) [kg^(1/2) m]."""
+        return np.asarray(self._root(b).T @ self.shape.walls())
+
+    def _root(self, b: float) -> Array:
+        """Lower triangle L (k - 1, k - 1) of L L^T = 1 + b D."""
+        return np.asarray(np.linalg.cholesky(np.eye(len(self.decay)) + b * self.decay))
 
     def rate(self, velocity: Array, turn: Turn | None = None) -> Array:
         """Rate (k,) [m^2/s^2] at which the potential of nodes at ``velocity`` (n, 3) decays.

@@ -102,6 +102,11 @@ FORCE = {
     **dict.fromkeys(("kn", "kilonewton", "kilonewtons"), 1e3),
     **dict.fromkeys(("lbf", "lb"), 4.4482216152605),
 }
+MOMENT = {
+    **dict.fromkeys(("nm", "newtonmetre", "newtonmetres", "newtonmeter", "newtonmeters"), 1.0),
+    **dict.fromkeys(("knm",), 1e3),
+    **dict.fromkeys(("lbfft", "ftlbf", "lbft", "ftlb"), 1.3558179483314),
+}
 TIME = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
     **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),

@@ -8,7 +8,7 @@ from water_tank import scene
 
 from coupling.estimate.model_errors import choose
 from coupling.mechanical.plan import conditions
-from coupling.scene.carrier import read_force_table
+from coupling.scene.force_table import read_force_table
 from coupling.scene.scene import SceneError, load_scene, scene_toml, with_overrides
 from coupling.scene.tables.text import TableError
 from coupling.store.scene_file import write_scene
@@ -36,6 +36,20 @@ def forces(tmp_path: Path) -> Path:
         ),
         ({"carrier": FREE | {"springs": [-1.0, 0.0, 0.0]}}, "carrier.springs: must not be negat"),
         ({"carrier": FREE | {"inertia": 1.0}}, "carrier.inertia"),
+        ({"carrier": FREE | {"inertia": [1.0, 1.0, 2.1]}}, "none above the sum of the two others"),
+        ({"carrier": FREE | {"inertia": [1.0, 0.0, 1.0]}}, "carrier.inertia: must be above 0"),
+        (
+            {"carrier": FREE | {"rotational_springs": [1.0, 0.0, 0.0]}},
+            "carrier.rotational_springs: is read with a carrier.inertia only",
+        ),
+        (
+            {
+                "carrier": FREE | {"inertia": [1.0, 1.0, 1.0]},
+                "tank": {"shape": "pill", "radius": 0.3, "cylinder_length": 0.2},
+                "model": {"fluid": "openfoam"},
+            },
+            "a tank turns freely only if it is a sphere",
+        ),
         ({"carrier": FREE, "model": {"fluid": "datum"}}, 'got "datum", which keeps no volume'),
         ({"carrier": FREE, "model": {"fluid": "auto"}}, 'got "auto", whose errors are those of'),
         ({"carrier": {"kind": "loose"}}, "carrier.kind"),
@@ -63,7 +77,7 @@ def test_what_is_wrong_is_said_with_its_mend(sections: dict, said: str):
 
 
 def test_forces_are_read_in_their_units_and_go_with_the_run(forces: Path, tmp_path: Path):
-    table = read_force_table(forces)
+    table = read_force_table(forces).forces
     assert table.time == pytest.approx([0.0, 0.05, 0.2])
     assert table.acceleration[1] == pytest.approx([200.0, 0.0, -100.0])
     given = scene(carrier=FREE | {"force_file": str(forces)})
@@ -74,6 +88,21 @@ def test_forces_are_read_in_their_units_and_go_with_the_run(forces: Path, tmp_pa
     assert again.carrier.forces is not None
     assert np.array_equal(again.carrier.forces.acceleration, table.acceleration)
     assert 'kind = "free"' in scene_toml(given)
+
+
+def test_moments_are_read_beside_the_forces(tmp_path: Path):
+    file = tmp_path / "push.csv"
+    file.write_text(
+        "time,fx,fy,fz,mx (kN m),my (N m),torque_z (N m)\n0,0,0,0,0,0,0\n1,1,2,3,0.4,5,6\n"
+    )
+    moments = read_force_table(file).moments
+    assert moments is not None
+    assert moments.acceleration[1] == pytest.approx([400.0, 5.0, 6.0])
+    with pytest.raises(SceneError, match="names moments, and the tank is held against turning"):
+        scene(carrier=FREE | {"force_file": str(file)})
+    file.write_text("time,fx,fy,fz,mx\n0,0,0,0,0\n1,1,2,3,0.4\n")
+    with pytest.raises(TableError, match="names mx and no my, mz"):
+        read_force_table(file)
 
 
 def test_forces_must_cover_the_run(forces: Path):
