@@ -92,6 +92,7 @@ class CoupledStep:
         self.max_iterations = max_iterations
         self.record = record
         self._last: tuple[Iterate, float] | None = None  # of the last attempt, with its residual
+        self._before: Mapping[str, Array] = {}  # the scheme's memory where it began
         self._tried, self._parts = 0, list[tuple[float, FlowSample]]()  # since the last report
 
     def seconds(self) -> dict[str, float]:
@@ -107,16 +108,24 @@ class CoupledStep:
     def attempt(self, time: float, dt: float, load: HydrostaticLoad) -> bool:
         """Solve a step from ``time`` to ``time + dt`` [s]. Raises ``StepFailed``, ArithmeticError.
 
-        Iterations that end before they have converged are no failure; ``report`` says so.
+        Iterations that end before they have converged are no failure; ``report`` says so. An
+        attempt before it that was not accepted is left as if it had never been.
         """
-        scheme = self.scheme.save()
+        if self._last is not None:
+            self._leave()
+        self._before = self.scheme.save()
         try:
             self._last = self._solve(time, dt, load)
         except (StepFailed, ArithmeticError):
-            self.problem.abandon()
-            self.scheme.restore(scheme)
+            self._leave()
             raise
         return True
+
+    def _leave(self) -> None:
+        """Go back to where the attempt began."""
+        self.problem.abandon()
+        self.scheme.restore(self._before)
+        self._last = None
 
     def _solve(self, time: float, dt: float, load: HydrostaticLoad) -> tuple[Iterate, float]:
         """The iterate that the step ends at, and its relative residual."""
@@ -157,7 +166,7 @@ class CoupledStep:
 
     def accept(self) -> None:
         """Commit the last attempt."""
-        iterate, residual = known(self._last)
+        (iterate, residual), self._last = known(self._last), None
         self.scheme.accept_step(iterate.points.ravel(), iterate.residual.ravel())
         self._parts.append((residual, self.problem.accept_step()))
 
