@@ -21,7 +21,7 @@ def check(
     from coupling.cli.tables import model_estimates, print_check
     from coupling.estimate.model_errors import choose
     from coupling.estimate.numbers import numbers_of
-    from coupling.finite_volume.mesh import cells_made
+    from coupling.finite_volume.mesh_sizes import cells_made
     from coupling.motion.record_summary import record_summary
 
     scene = load_scene(scene_path, changes or ())
@@ -34,7 +34,7 @@ def check(
                 "numbers": numbers.to_dict(),
                 "record": None if record is None else record.to_dict(),
                 "models": model_estimates(scene),
-                "cells": cells_made(scene.openfoam.cells, scene.wall_spacing),
+                "cells": cells_made(*scene.half_ball),
                 "advised": choice.fluid,
                 "reason": choice.reason,
             }

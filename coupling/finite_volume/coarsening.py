@@ -13,7 +13,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, kron
 
 from coupling.finite_volume.blocks import half_blocks
-from coupling.finite_volume.mesh import LiquidMesh, cells_for_nodes, divided, half_ball
+from coupling.finite_volume.mesh import LiquidMesh, divided
+from coupling.finite_volume.mesh_sizes import coarsest_for
 from coupling.ports import Array, Ints
 
 
@@ -35,9 +36,11 @@ class Coarsening:
 def coarser_for(mesh: LiquidMesh, nodes: int) -> Coarsening | None:
     """Return the coarsening of the half ball ``mesh`` that is as fine as a structure of ``nodes``.
 
-    See ``cells_for_nodes``; None where ``mesh`` itself is no finer.
+    See ``coarsest_for``; None where ``mesh`` itself is no finer.
     """
-    coarse = half_ball(cells_for_nodes(nodes))
+    if mesh.divisions is None:
+        return None
+    coarse = divided(coarsest_for(nodes, mesh.divisions))
     if mesh.cells <= coarse.cells or not _is_finer(mesh, coarse):
         return None
     return coarsening(mesh, coarse)

@@ -8,7 +8,6 @@ The topology never changes in a run. Where the points go as the diaphragm moves 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coupling.finite_volume.blocks import Divisions, half_blocks
+from coupling.finite_volume.mesh_sizes import finest
 from coupling.ports import Array, Ints
 
 # Faces of a hexahedron, seen counter-clockwise from outside, and its edges.
@@ -25,14 +25,6 @@ _FACES = np.array(
 _EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
-
-# Faces on the diaphragm to a node of the structure, with which a mesh holds the inertia of all its
-# waves: about as many as nodes are free of the shell. With 592 nodes, of which 324 are free (fill
-# fraction 0.8) or 428 (0.3), on a flow of 6,664 cells, the largest part that an iteration leaves of
-# any motion, stiffness apart, is .35 or .61 with 340 faces, 1.6 or 1.7 with 224, .20 or .22 with
-# 528; and a flow of 4,320 cells took as many iterations as with its own 528, 1.90 of 20 steps, with
-# 340 and 2.00 with 224.
-FACES = 0.55
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +86,7 @@ class LiquidMesh:
         return np.setdiff1d(self.faces[self.shell], self.patch_points)
 
 
-def half_ball(cells: int, spacing: float = 0.0) -> LiquidMesh:
+def half_ball(cells: int, spacing: float = 0.0, length: float = 0.0) -> LiquidMesh:
     """Return the finest lower half of a cubed ball of at most so many cells.
 
     Parameters
@@ -104,6 +96,8 @@ def half_ball(cells: int, spacing: float = 0.0) -> LiquidMesh:
     spacing
         Height of the cells at shell and disc over the radius, at most [-]; 0, or more than theirs
         without it, for cells that are not graded towards them.
+    length
+        Of a cylinder between the half ball and the disc, over the radius [-].
 
     Returns
     -------
@@ -115,7 +109,7 @@ def half_ball(cells: int, spacing: float = 0.0) -> LiquidMesh:
     ValueError
         Even the coarsest mesh has more cells.
     """
-    return divided(_divisions(cells, spacing)[1])
+    return divided(finest(cells, spacing, length).divisions)
 
 
 def divided(divisions: Divisions) -> LiquidMesh:
@@ -124,7 +118,7 @@ def divided(divisions: Divisions) -> LiquidMesh:
     return replace(assemble(blocks.points, blocks.hexes, top=-1e-9), divisions=divisions)
 
 
-def shell_shares(reach: Array, arc: Array | float) -> Array:
+def shell_shares(reach: Array, arc: Array | float, room: Array | float | None = None) -> Array:
     """Return where the shell's points stand on the arcs from the pool's middle to its rim.
 
     Where the pool closes above its equator the patch is small for the arc, and so are its cells:
@@ -137,60 +131,19 @@ def shell_shares(reach: Array, arc: Array | float) -> Array:
         Shares of the arc at which the points stand in the half ball (s,) [-], from 0 to 1.
     arc
         Angle between middle and rim, one for all points or of each (s,) [rad], in (0, pi).
+    room
+        The patch's radius over the arc's length, over the same in the half ball [-], one for all
+        points or of each (s,); None for that of a sphere.
 
     Returns
     -------
     Array
         Shares of the arc (s,) [-], from 0 at the middle to 1 at the rim.
     """
-    dense = np.sqrt(np.minimum(1.0, 0.5 * np.pi * np.sin(arc) / arc))
+    if room is None:
+        room = 0.5 * np.pi * np.sin(arc) / arc
+    dense = np.sqrt(np.minimum(1.0, room))
     return np.asarray(reach + (1.0 - dense) * reach * (1.0 - reach))
-
-
-def cells_made(cells: int, spacing: float = 0.0) -> int:
-    """How many cells ``half_ball(cells, spacing)`` has."""
-    return _divisions(cells, spacing)[1].cells
-
-
-def cells_above(cells: int, spacing: float = 0.0) -> int:
-    """How many cells the next finer mesh than ``half_ball(cells, spacing)`` has."""
-    return Divisions.of(_divisions(cells, spacing)[0] + 2, spacing).cells
-
-
-def cells_halved(cells: int, spacing: float = 0.0) -> int:
-    """Cells of the coarser half ball that comes nearest to half those of ``half_ball``.
-
-    Its cells at the walls are as high. Parameters as of ``half_ball``.
-    """
-    n, divisions = _divisions(cells, spacing)
-    coarser = [Divisions.of(k, spacing).cells for k in range(2, n, 2)] or [divisions.cells]
-    return min(coarser, key=lambda size: abs(math.log(2.0 * size / divisions.cells)))
-
-
-def cells_for_nodes(nodes: int) -> int:
-    """Cells of the coarsest half ball that is as fine as a structure of so many ``nodes``.
-
-    Its diaphragm has ``FACES`` faces to a node at least; its cells are not graded.
-    """
-    n = 2
-    while Divisions.of(n, 0.0).top < FACES * nodes:
-        n += 2
-    return cells_of(n)
-
-
-def cells_of(n: int) -> int:
-    """Cells of the half ball with n cells across its cube, n even, that is not graded."""
-    return Divisions.of(n, 0.0).cells
-
-
-def _divisions(cells: int, spacing: float) -> tuple[int, Divisions]:
-    """n and how the blocks are divided of the finest mesh of at most ``cells``."""
-    n, taken = 2, Divisions.of(2, spacing)
-    if taken.cells > cells:
-        raise ValueError(f"the coarsest mesh has {taken.cells} cells, got {cells}")
-    while (finer := Divisions.of(n + 2, spacing)).cells <= cells:
-        n, taken = n + 2, finer
-    return n, taken
 
 
 def assemble(points: Array, hexes: Ints, *, top: float) -> LiquidMesh:

@@ -128,7 +128,7 @@ class FreePatch:
         self._round(points, weights)
         depth = np.minimum(s.film, s.wedge * self._stretch * (1.0 - self._reach) * edge)
         points = np.where(self.mesh.rim[:, None], points, tank.confine(points, depth))
-        shell = tank.on_rays(self._arcs.directions(pool_middle(rim), rim))
+        shell = self._arcs.points(tank, pool_middle(rim), rim)
         size = self._size(points, shell, volume_below(nodes, self._triangles, tank))
         points[self._rim] *= size
         shell *= size

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coupling.finite_volume.blocks import Divisions
-from coupling.finite_volume.mesh import cells_above, cells_made
+from coupling.finite_volume.mesh_sizes import cells_above, cells_least, cells_made
 from coupling.scene.carrier import carrier_problems
 from coupling.scene.choices import (
     fluid_problems,
@@ -123,8 +122,11 @@ def _check_fill(scene: Scene) -> list[str]:
 
 
 def _check_cells(scene: Scene) -> list[str]:
-    """The meshes come in steps: whether the one taken has about as many cells as were asked."""
-    asked, spacing = scene.openfoam.cells, scene.wall_spacing
+    """The meshes come in steps: whether the one taken has about as many cells as were asked.
+
+    In a long tank the steps hang on the fill fraction, and none is refused but the least.
+    """
+    asked, spacing, length = scene.half_ball
     if spacing and not LEAST_SPACING <= spacing <= MOST_SPACING:
         size = scene.tank.shell.size
         return [
@@ -132,15 +134,20 @@ def _check_cells(scene: Scene) -> list[str]:
             f"{MOST_SPACING * size:g} m in this tank, got {scene.openfoam.wall_spacing:g}. Give a "
             "fraction of the boundary layer's thickness, sqrt(nu/(pi f))."
         ]
-    least = Divisions.of(FEWEST_ACROSS, spacing).cells
+    least = cells_least(FEWEST_ACROSS, spacing, length)
     if asked < least:
+        given = (
+            f"with wall_spacing = {scene.openfoam.wall_spacing:g}"
+            if spacing
+            else "in so long a tank"
+        )
+        mend = ", or a larger wall_spacing" if spacing else ""
         return [
-            f"openfoam.cells: with wall_spacing = {scene.openfoam.wall_spacing:g} "
-            f"the coarsest mesh has {least} cells, got {asked}. Give {least} or more, or a larger "
-            "wall_spacing."
+            f"openfoam.cells: {given} the coarsest mesh has {least} cells, got {asked}. "
+            f"Give {least} or more{mend}."
         ]
-    made, next_ = cells_made(asked, spacing), cells_above(asked, spacing)
-    if asked <= FARTHEST_CELLS * made:
+    made, next_ = cells_made(asked, spacing, length), cells_above(asked, spacing, length)
+    if length > 0.0 or asked <= FARTHEST_CELLS * made:
         return []
     return [
         f"openfoam.cells: the mesh of at most {asked} cells has {made}, the next one {next_}. "

@@ -101,7 +101,9 @@ class OpenFoam(Section):
         default=1300,
         ge=176,
         le=MOST,
-        description="cells of the mesh, at most: it has 176, 540, 1216, 2300, 4320, 6664 and so on",
+        description="cells of the mesh, at most: it has 176, 540, 1216, 2300, 4320, 6664 and so "
+        "on; in a tank that is longer than wide and stands more of them lie along it and fewer "
+        "across",
     )
     wall_spacing: float = Field(
         default=0.0,

@@ -14,10 +14,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from coupling.finite_volume.mesh_sizes import length_for
 from coupling.ports import Array
 from coupling.scene.carrier import Carrier
 from coupling.scene.checks import problems_between
@@ -126,6 +128,13 @@ class Scene(Section):
     def wall_spacing(self) -> float:
         """``openfoam.wall_spacing`` over the shell's size, as ``half_ball`` takes it."""
         return self.openfoam.wall_spacing / self.tank.shell.size
+
+    @property
+    def half_ball(self) -> tuple[int, float, float]:
+        """What the flow's ``half_ball`` is made by: most cells, wall spacing and length over R."""
+        shell = self.tank.shell
+        length = length_for(shell, -np.array(self.gravity), self.liquid.fill_fraction)
+        return self.openfoam.cells, self.wall_spacing, length
 
     @property
     def loss_time(self) -> float:

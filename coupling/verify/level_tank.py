@@ -147,7 +147,7 @@ def level_shape(
     rim = rim[np.argsort(azimuth[rim])]
     arcs = ShellArcs(mesh, rim, azimuth[rim])
     towards = patch[rim] / np.linalg.norm(patch[rim], axis=1)[:, None]
-    shell = tank.on_rays(arcs.directions(pool_middle(towards), towards))
+    shell = arcs.points(tank, pool_middle(towards), towards)
     path = np.zeros_like(patch)
     path[:, 2] = 1.0
     # The rim slides in the wall's facets, along the edge that comes up to it, and sweeps nothing.

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from coupling.estimate.sloshing_modes import lateral_eigenvalue
 from coupling.finite_volume.mesh import half_ball
+from coupling.finite_volume.mesh_sizes import length_for
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.installation import find_openfoam
 from coupling.ports import Array
@@ -154,8 +155,10 @@ def _release(
     folder: Path, tank: LevelTank, height: float, mode: int, omega: float, step: float, cells: int
 ) -> tuple[Array, Array]:
     """Times (T,) [s] and the first moment of the heights (T,) after the release from rest."""
+    fill_fraction = tank.volume_below(height) / tank.shell.volume
+    length = length_for(tank.shell, tank.frame[:, 2], fill_fraction)
     flow = OpenFoamFlow(
-        folder, half_ball(cells), openfoam=find_openfoam(keep_alive=True),
+        folder, half_ball(cells, 0.0, length), openfoam=find_openfoam(keep_alive=True),
         shell=tank, density=DENSITY, viscosity=1e-6, timeout=120.0,
     )  # fmt: skip
     level_patch, shell, path, volume = level_shape(flow.mesh, tank, height)

@@ -34,7 +34,8 @@ sys.path[0] = str(Path(__file__).parents[2])  # or cloth.py here would be taken 
 from cloth.step import Cloth
 from coupling.finite_volume.coarsening import coarsening
 from coupling.finite_volume.following import FollowingMesh
-from coupling.finite_volume.mesh import cells_made, half_ball
+from coupling.finite_volume.mesh import half_ball
+from coupling.finite_volume.mesh_sizes import cells_made
 from coupling.fluids.openfoam import step
 from coupling.fluids.openfoam.flow import OpenFoamFlow
 from coupling.foam.keepalive import AliveCase

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from coupling.finite_volume.mesh import cells_halved, cells_made, half_ball
+from coupling.finite_volume.mesh import half_ball
+from coupling.finite_volume.mesh_sizes import cells_halved, cells_made
 from coupling.fluids.hydrostatic import Hydrostatic, hydrostatic_of
 from coupling.fluids.model import (
     CoarserScene,
@@ -135,7 +136,7 @@ class OpenFoamModel(FluidModel):
 
     def memory(self, scene: Scene) -> float:
         """Return the bytes of RAM of the solver's processes, and of what is kept of the cells."""
-        cells = cells_made(scene.openfoam.cells, scene.wall_spacing)
+        cells = cells_made(*scene.half_ball)
         return scene.openfoam.processors * _PROCESS + _A_CELL * cells
 
     def cores(self, scene: Scene) -> int:
@@ -144,14 +145,14 @@ class OpenFoamModel(FluidModel):
 
     def error_scale(self, scene: Scene) -> float:
         """Return the error of the scene's mesh over that of CELLS."""
-        finer = cells_made(CELLS) / cells_made(scene.openfoam.cells, scene.wall_spacing)
+        finer = cells_made(CELLS) / cells_made(*scene.half_ball)
         return float(finer ** (ORDER / 3.0))
 
     def coarser(self, scene: Scene) -> CoarserScene:
         """Return the scene with about half the cells, as near as the meshes come to that."""
-        cells = cells_halved(scene.openfoam.cells, scene.wall_spacing)
+        cells = cells_halved(*scene.half_ball)
         section = scene.openfoam.model_copy(update={"cells": cells})
-        fewer = cells_made(scene.openfoam.cells, scene.wall_spacing) / cells_made(cells)
+        fewer = cells_made(*scene.half_ball) / cells
         return CoarserScene(
             scene=scene.model_copy(update={"openfoam": section}),
             width=fewer ** (1.0 / 3.0),
@@ -166,13 +167,13 @@ class OpenFoamModel(FluidModel):
 
     def size(self, scene: Scene) -> Mapping[str, int]:
         """Return the number of the mesh's cells, by what is counted."""
-        return {"cells of the flow's mesh": cells_made(scene.openfoam.cells, scene.wall_spacing)}
+        return {"cells of the flow's mesh": cells_made(*scene.half_ball)}
 
     def fields_size(self, scene: Scene) -> float:
         """Return the bytes that p, U and points take at the times of output."""
         if not scene.openfoam.write_fields:
             return 0.0
-        mesh = half_ball(scene.openfoam.cells, scene.wall_spacing)
+        mesh = half_ball(*scene.half_ball)
         values = mesh.cells + len(mesh.faces) - mesh.inner_faces  # in the cells and on the walls
         times = -(-scene.time.steps // scene.time.output_every)
         return 8.0 * times * (4 * values + 3 * len(mesh.points))
@@ -186,7 +187,7 @@ def grid_error(distance: float) -> float:
 
 def _size(scene: Scene) -> float:
     """Cells of the scene's mesh over those of the constants."""
-    return cells_made(scene.openfoam.cells, scene.wall_spacing) / _CELLS
+    return cells_made(*scene.half_ball) / _CELLS
 
 
 def _stays_alive(scene: Scene) -> bool:

@@ -38,7 +38,7 @@ _log = logging.getLogger(__name__)
 
 def flow_of(scene: Scene, folder: Path, cloth: Structure) -> tuple[OpenFoamFlow, FreePatch]:
     """The flow below the settled ``cloth``, not yet started, and its map to the cloth."""
-    shell, mesh = scene.tank.shell, half_ball(scene.openfoam.cells, scene.wall_spacing)
+    shell, mesh = scene.tank.shell, half_ball(*scene.half_ball)
     mapping = FreePatch(
         mesh,
         cloth,

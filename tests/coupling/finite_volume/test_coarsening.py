@@ -5,13 +5,20 @@ import math
 import numpy as np
 import pytest
 
+from coupling.finite_volume.blocks import Divisions
 from coupling.finite_volume.coarsening import coarsening, coarser_for, prolongations
 from coupling.finite_volume.geometry import cell_geometry
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
-from coupling.finite_volume.mesh import FACES, cells_for_nodes, cells_of, half_ball
+from coupling.finite_volume.mesh import divided, half_ball
+from coupling.finite_volume.mesh_sizes import FACES, coarsest_for
 from coupling.verify.prism import prism_mesh
 
 DENSITY = 1000.0
+
+
+def of(n):
+    """The half ball with ``n`` cells across its cube."""
+    return divided(Divisions.of(n, 0.0))
 
 
 def bent(points):
@@ -27,7 +34,7 @@ def fine():
 def test_points_that_both_meshes_have_are_taken_over(fine):
     # A point of n = 4 is every other one of n = 8 across; along the wrapping layers, m = 3 and 5,
     # it lies between two, on a straight line: there and only there blocks are interpolated exactly.
-    coarse = coarsening(fine, half_ball(cells_of(4)))
+    coarse = coarsening(fine, of(4))
     points = coarse.points @ fine.points
     assert points == pytest.approx(coarse.mesh.points, abs=1e-12)
     assert (coarse.points @ np.ones(len(fine.points))) == pytest.approx(1.0, abs=1e-14)
@@ -37,10 +44,10 @@ def test_points_that_both_meshes_have_are_taken_over(fine):
 def test_points_on_the_shell_are_interpolated_to_second_order(n):
     # Linear interpolation along two edges of length h of the unit sphere errs by h^2/8 each, and
     # less than as much again along the sphere, where the points are not evenly spaced.
-    mesh = half_ball(cells_of(n))
+    mesh = of(n)
     corner = mesh.points[mesh.faces[mesh.shell]]
     longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max()
-    coarse = coarsening(mesh, half_ball(cells_of(4)))
+    coarse = coarsening(mesh, of(4))
     error = (coarse.points @ mesh.points - coarse.mesh.points)[coarse.mesh.shell_points]
     away = np.linalg.norm(error, axis=1).max()
     assert 0.05 * longest**2 < away < 0.5 * longest**2
@@ -49,7 +56,7 @@ def test_points_on_the_shell_are_interpolated_to_second_order(n):
 
 
 def test_faces_keep_every_volume(fine):
-    coarse = coarsening(fine, half_ball(cells_of(6)))
+    coarse = coarsening(fine, of(6))
     assert coarse.faces.shape == (coarse.mesh.diaphragm_faces, fine.diaphragm_faces)
     assert coarse.faces.sum(axis=0) == pytest.approx(1.0, abs=1e-14)
     # A face takes from those on it: their centre is its own, within the blocks' own distortion.
@@ -59,7 +66,7 @@ def test_faces_keep_every_volume(fine):
 
 
 def test_graded_meshes_are_made_coarser_too():
-    fine, coarse = half_ball(5000, 0.004), half_ball(cells_of(4))
+    fine, coarse = half_ball(5000, 0.004), of(4)
     found = coarsening(fine, coarse)
     assert (found.points @ np.ones(len(fine.points))) == pytest.approx(1.0, abs=1e-14)
     geometry = cell_geometry(coarse, found.points @ bent(fine.points))
@@ -74,20 +81,20 @@ def test_graded_meshes_are_made_coarser_too():
 
 def test_only_a_mesh_finer_than_the_structure_is_made_coarser(fine):
     nodes = math.floor(fine.diaphragm_faces / FACES)
-    assert cells_for_nodes(nodes) == fine.cells
+    assert coarsest_for(nodes, fine.divisions).cells == fine.cells
     assert coarser_for(fine, nodes) is None
-    nodes = math.floor(half_ball(cells_of(6)).diaphragm_faces / FACES)
+    nodes = math.floor(of(6).diaphragm_faces / FACES)
     found = coarser_for(fine, nodes)
     assert found is not None
-    assert found.mesh.cells == cells_of(6)
+    assert found.mesh.cells == Divisions.of(6, 0.0).cells
     assert coarser_for(fine, nodes + 2) is None
 
 
 def test_what_is_no_coarser_half_ball_is_refused(fine):
     with pytest.raises(ValueError, match="no coarsening of a mesh of 1216 cells to one of 2300"):
-        coarsening(fine, half_ball(cells_of(10)))
+        coarsening(fine, of(10))
     with pytest.raises(ValueError, match="no coarsening"):
-        coarsening(prism_mesh(400, 1.0), half_ball(cells_of(4)))
+        coarsening(prism_mesh(400, 1.0), of(4))
 
 
 def test_prolongations_lead_down_to_a_coarse_mesh(fine):
@@ -123,7 +130,7 @@ def test_inertia_on_a_coarser_mesh_holds_the_waves_that_it_resolves(fine):
     # n = 6 within n = 8. Of a wave with x = k h/2 square faces of width h leave s (1 + s^2)^(1/2)/x
     # of the inertia, s = sin x: 1.05 for x = .5, 1.1 for 1. The finer mesh has an excess of its
     # own, of 2 and 6 %; the longest faces are 1.7 times as long as the mean: x goes up to 1.2.
-    coarse = coarsening(fine, half_ball(cells_of(6)))
+    coarse = coarsening(fine, of(6))
     size = np.sqrt(np.pi / coarse.mesh.diaphragm_faces)
     for x in (0.2, 0.45, 0.7):
         k = 2.0 * x / size
@@ -133,7 +140,7 @@ def test_inertia_on_a_coarser_mesh_holds_the_waves_that_it_resolves(fine):
 
 
 def test_uniform_lift_has_no_inertia_on_a_coarser_mesh(fine):
-    inertia = LiquidInertia.on(coarsening(fine, half_ball(cells_of(6))), fine, fine.points, DENSITY)
+    inertia = LiquidInertia.on(coarsening(fine, of(6)), fine, fine.points, DENSITY)
     lift = np.zeros_like(fine.points[fine.patch_points])
     lift[:, 2] = 1.0
     tilt = lift * fine.points[fine.patch_points][:, :1]
@@ -142,7 +149,7 @@ def test_uniform_lift_has_no_inertia_on_a_coarser_mesh(fine):
 
 def test_force_is_the_pressure_on_what_the_flows_faces_sweep(fine):
     points = bent(fine.points)
-    inertia = LiquidInertia.on(coarsening(fine, half_ball(cells_of(6))), fine, points, DENSITY)
+    inertia = LiquidInertia.on(coarsening(fine, of(6)), fine, points, DENSITY)
     motion = np.random.default_rng(0).normal(size=(len(fine.patch_points), 3))
     assert inertia.pressure(motion).shape == (fine.diaphragm_faces,)
     force = inertia.force(motion)

@@ -11,7 +11,8 @@ from coupling.finite_volume.geometry import (
     non_orthogonality,
     swept_volumes,
 )
-from coupling.finite_volume.mesh import cells_halved, cells_made, half_ball
+from coupling.finite_volume.mesh import half_ball
+from coupling.finite_volume.mesh_sizes import cells_halved, cells_made
 
 
 def deformed(points):

@@ -7,13 +7,8 @@ from coupling.finite_volume.blocks import graded
 from coupling.finite_volume.corner_energy import corner_energy
 from coupling.finite_volume.elastic_mesh import ElasticMesh, MeshFolds
 from coupling.finite_volume.geometry import cell_geometry, fan_volume
-from coupling.finite_volume.mesh import (
-    cells_above,
-    cells_halved,
-    cells_made,
-    half_ball,
-    shell_shares,
-)
+from coupling.finite_volume.mesh import half_ball, shell_shares
+from coupling.finite_volume.mesh_sizes import cells_above, cells_halved, cells_made
 
 
 @pytest.fixture(params=[176, 650])

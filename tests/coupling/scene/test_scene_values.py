@@ -9,7 +9,7 @@ import pytest
 from coupling.cli.tables import model_estimates
 from coupling.estimate.model_errors import choose
 from coupling.estimate.numbers import numbers_of
-from coupling.finite_volume.mesh import cells_made
+from coupling.finite_volume.mesh_sizes import cells_made
 from coupling.scene.scene import Scene, SceneError, scene_from
 
 SCENE: dict[str, Any] = {
