@@ -145,6 +145,13 @@ class Coupling(Section):
         le=MOST,
         description="number of unconverged steps after which the run stops",
     )
+    max_unconverged_share: float = Field(
+        default=0.2,
+        ge=0,
+        le=1,
+        description="share of a run's steps that may be unconverged: it stops where more are, "
+        "however few; 1 to leave that to max_unconverged",
+    )
     relaxation: float = Field(
         default=0.01, gt=0, le=1, description="first relaxation of aitken and iqn-ils"
     )

@@ -13,6 +13,8 @@ from coupling.scene.scene import Scene
 from coupling.simulation.mends import better_scheme, said
 from coupling.store.run_record import RunStatistics
 
+ROUNDING = 1e-9  # of a number of steps
+
 _log = logging.getLogger(__name__)
 
 
@@ -99,10 +101,19 @@ class Tally:
             )
 
     def _unconverged(self, time: float, message: str, mend: str) -> None:
-        """Count the step that ends at ``time`` [s], once however much of it did not converge."""
+        """Count the step that ends at ``time`` [s], once however much of it did not converge.
+
+        Raises ``RunFailed`` when there are too many, or more than a run of so many steps may have.
+        """
         _log.warning(message)
         self.statistics.unconverged_steps += time != self._unconverged_at
         self._unconverged_at = time
-        if self.statistics.unconverged_steps > self.scene.coupling.max_unconverged:
-            count = self.statistics.unconverged_steps
+        count, settings = self.statistics.unconverged_steps, self.scene.coupling
+        if count > settings.max_unconverged:
             raise RunFailed(f"{message} {count} steps did not converge. {mend}")
+        steps, share = self.scene.time.steps, settings.max_unconverged_share
+        if count > share * steps + ROUNDING:
+            raise RunFailed(
+                f"{message} {count} of {steps} steps did not converge, and no more than "
+                f"{share:g} of them may (coupling.max_unconverged_share). {mend}"
+            )

@@ -39,6 +39,7 @@ SCENE = Path(__file__).parents[2] / "foam_cases" / "pad_sway_coarse"
 COMMON = (
     "openfoam.cells=540", "openfoam.write_fields=false", "cloth.resolution=10",
     "time.duration=0.8", "coupling.max_unconverged=1000",
+    "coupling.max_unconverged_share=1.0",
 )  # fmt: skip
 SCENES = {
     "gentle": ("liquid.fill_fraction=0.8", "motion.amplitude=0.025", "motion.ramp=0.5"),

@@ -57,6 +57,7 @@ def solved(scheme: str, seconds: float, *settings: str) -> dict[str, Any]:
             f"time.duration={seconds}",
             "coupling.max_iterations=60",
             "coupling.max_unconverged=1000",
+            "coupling.max_unconverged_share=1.0",
             *settings,
         ],
     )

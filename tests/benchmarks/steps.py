@@ -33,6 +33,7 @@ def path_of(step, tolerance, options):
         f"model.fluid={options.fluid}", f"liquid.fill_fraction={options.fill}",
         f"cloth.resolution={options.rings}", f"time.step={step}",
         f"time.output_every={round(EVERY / step)}", "coupling.max_unconverged=1000",
+        "coupling.max_unconverged_share=1.0",
     ]  # fmt: skip
     if tolerance is not None:
         changes.append(f"time.step_tolerance={tolerance}")

@@ -15,6 +15,7 @@ PAD_SWAY = Path(__file__).parents[3] / "foam_cases" / "pad_sway_coarse"
 BRIEF: dict[str, Any] = {
     "model.fluid": "hydrostatic", "cloth.resolution": 8, "time.duration": 0.6,
     "cloth.iterations": 4000, "coupling.max_unconverged": 60,
+    "coupling.max_unconverged_share": 1.0,
 }  # fmt: skip
 
 
