@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 
@@ -10,18 +9,17 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cloth.arrays import Array
+from cloth.shell.below_plane import LEVEL, Plane, volume_under
 from cloth.shell.kernels import nearest_points
 from cloth.shell.part import ShellPart
 from cloth.shell.pieces import (
     JOINT,
     check_smooth,
-    crossings,
     piece_length,
     piece_points,
     share_below,
 )
 
-LEVEL = 1e-12  # sine of the angle below which a plane is level
 NEWTON = 60  # steps along a ray, at most; a sphere takes one
 NODES = 24  # of Gauss's rule on a piece: a quarter circle's powers up to the tenth to rounding
 BISECTIONS = 60  # of a share between 0 and 1
@@ -179,35 +177,19 @@ class Meridian:
 
         ``volume`` [m^3], from 0 to the shell's.
         """
-        lean = float(np.hypot(up[0], up[1]) / np.linalg.norm(up))
-        rise = float(up[2] / np.linalg.norm(up))
+        up = up / np.linalg.norm(up)
 
         def excess(level: float) -> float:
-            return self._volume_under(level, lean, rise) - volume
+            return self._volume_under(Plane(up=up, level=level)) - volume
 
         return float(brentq(excess, -self._reach, self._reach, xtol=1e-15 * self._reach))
 
-    def _volume_under(self, level: float, lean: float, rise: float) -> float:
-        """Volume [m^3] where ``lean`` y + ``rise`` z <= ``level``, y a horizontal coordinate.
-
-        Circles cut by a chord, Gauss's rule between the heights at which the plane leaves them, in
-        a variable that takes their roots away.
-        """
-        if lean <= LEVEL:
-            below = self.volume_below(level / rise)
-            return below if rise > 0.0 else self.volume - below
-        node, weight = np.polynomial.legendre.leggauss(2 * NODES)
-        angle, total = 0.25 * np.pi * (1.0 + node), 0.0
-        for piece in self.profile:
-            for low, high in itertools.pairwise(crossings(piece, level, lean, rise)):
-                share = low + (high - low) * np.sin(angle) ** 2
-                r, z, nr, _ = piece_points(np.tile(piece, (len(node), 1)), share)
-                ds = 0.25 * np.pi * piece_length(piece) * (high - low) * np.sin(2.0 * angle)
-                with np.errstate(divide="ignore"):
-                    chord = np.clip((level - rise * z) / (lean * r), -1.0, 1.0)
-                cut = np.pi - np.arccos(chord) + chord * np.sqrt(1.0 - chord**2)
-                total += float(np.sum(r * r * cut * nr * ds * weight))
-        return total
+    def _volume_under(self, plane: Plane) -> float:
+        """Volume [m^3] inside, below a plane however it lies."""
+        if plane.lean > LEVEL:
+            return volume_under(self.profile, plane)
+        below = self.volume_below(plane.level / float(plane.up[2]))
+        return below if plane.up[2] > 0.0 else self.volume - below
 
     def on_rays(self, directions: Array) -> Array:
         """Return where rays from the origin meet the shell (n, 3) [m].

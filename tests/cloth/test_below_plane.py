@@ -7,7 +7,7 @@ import pytest
 from shells import pill, sphere_of_arcs
 
 from cloth.shell.arc_spline import ellipse
-from cloth.shell.below_plane import Plane, section_samples, wetted_samples
+from cloth.shell.below_plane import Plane, section_samples, volume_under, wetted_samples
 from cloth.shell.meridian import Meridian
 from cloth.shell.sphere import Sphere
 
@@ -54,3 +54,12 @@ def test_a_plane_through_a_sampled_place_of_a_piece_cuts_it():
     points, area = wetted_samples(shell.profile, Plane(up=way, level=0.0), 4)
     assert np.sum(points * area) / 3.0 == pytest.approx(0.5 * shell.volume, rel=1e-7)
     assert shell.level_of(0.5 * shell.volume, way) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("way", [(1.0, 0.0, 0.0), (0.1, 0.2, 0.9), (0.0, 1e-6, -1.0)])
+def test_a_sphere_s_volume_below_any_plane_is_its_cap_s(way):
+    """To the rounding of some hundred nodes; by the circles that the plane cuts."""
+    up, profile = np.array(way) / np.linalg.norm(way), Sphere(0.4).profile
+    for level in np.linspace(-0.4, 0.4, 17):
+        cap = np.pi * (0.4 + level) ** 2 * (0.8 - level) / 3.0
+        assert volume_under(profile, Plane(up=up, level=level)) == pytest.approx(cap, abs=1e-14)
