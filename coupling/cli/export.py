@@ -1,4 +1,4 @@
-"""``edt export``: the diaphragm at an instant as a surface for other programs."""
+"""``edt export``: the diaphragm for other programs, at an instant or at all of them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ def export(
         Path,
         typer.Option(
             "--output", "-o", metavar="FILE",
-            help="The surface, .ply (with pressures, slips and their works) or .stl, in metres.",
+            help="The surface in metres: .ply (with pressures, slips and their works) or .stl; "
+            "or .vtkhdf, all instants with all that nodes and triangles carry (ParaView 5.12).",
         ),
     ],
     time: Annotated[
@@ -28,15 +29,25 @@ def export(
         ),
     ] = None,
 ) -> None:  # fmt: skip
-    """Write the diaphragm at an instant of a run as a surface, and say which instant that is."""
+    """Write the diaphragm of a run at an instant, or at all of them, and say which these are."""
     from coupling.store.results import open_results
-    from coupling.store.surface import FORMATS, NoInstantError, write_surface
+    from coupling.store.surface import FORMATS, NoInstantError, instant_row, write_surface
+    from coupling.store.vtkhdf import SUFFIX, write_instants
 
-    if output.suffix not in FORMATS:
-        known = ", ".join(sorted(FORMATS))
+    moving = output.suffix == SUFFIX
+    if not moving and output.suffix not in FORMATS:
+        known = ", ".join(sorted((*FORMATS, SUFFIX)))
         stop(f"--output: must end in {known}, got '{output}'.", ExitStatus.WRONG_INPUT)
+    if moving and time is not None:
+        stop(f"--time: a {SUFFIX} holds all instants. Leave it out.", ExitStatus.WRONG_INPUT)
+    results = open_results(folder)
     try:
-        taken = write_surface(open_results(folder), output, time)
+        if moving:
+            last = results.time[instant_row(results, None)]
+            write_instants(results, output)
+            said = f"{len(results.time)} instants, {results.time[0]:.6g} to {last:.6g} s"
+        else:
+            said = f"at {write_surface(results, output, time):.6g} s"
     except NoInstantError as error:
         stop(f"--time: {folder} {error}", ExitStatus.WRONG_INPUT)
-    typer.echo(f"{output}: the diaphragm at {taken:.6g} s")
+    typer.echo(f"{output}: the diaphragm, {said}")

@@ -47,9 +47,10 @@ def test_an_stl_has_the_triangles_in_single_precision(tmp_path: Path) -> None:
 def test_what_cannot_be_exported_is_said_and_leaves_nothing(tmp_path: Path) -> None:
     run.write_run(tmp_path)
     for words, message in (
-        (["-o", str(tmp_path / "a.obj")], "must end in .ply, .stl"),
+        (["-o", str(tmp_path / "a.obj")], "must end in .ply, .stl, .vtkhdf"),
         (["-o", str(tmp_path / "a.ply"), "--time", "9"], "has instants from 0 to 2.4 s, got 9"),
         (["-o", str(tmp_path / "a.ply"), "--time", "nan"], "got nan"),
+        (["-o", str(tmp_path / "a.vtkhdf"), "--time", "1"], "holds all instants. Leave it out"),
     ):
         code, said = exported(str(tmp_path), *words)
         assert code == 2
