@@ -8,7 +8,7 @@ import numpy as np
 
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
-from cloth.shell.kernels import scale_into, settle_on
+from cloth.shell.kernels import into_sphere, nearest_within, settle_on
 
 
 @compiled
@@ -26,7 +26,7 @@ def contact_step(
 ) -> None:
     """See ``cloth.node_reference.contact_step``."""
     y, normal = np.empty(3), np.empty(3)
-    smooth_sphere = profile.shape[0] == 1 and profile.shape[1] == 1 and friction <= 0.0
+    sphere = profile.shape[0] == 1 and profile.shape[1] == 1
     for i in range(x.shape[0]):
         rub[i, 0] = rub[i, 1] = rub[i, 2] = 0.0
         if weight[i] <= 0.0:
@@ -34,11 +34,12 @@ def contact_step(
         for d in range(3):
             y[d] = relaxation * x[i, d] + (1.0 - relaxation) * z[i, d] + u[i, d]
         touching = False
-        if smooth_sphere:  # as ``settle_on``, without a call that passes arrays
-            scale = scale_into(profile[0, 0], y[0], y[1], y[2])
-            z[i, 0], z[i, 1], z[i, 2] = scale * y[0], scale * y[1], scale * y[2]
-        else:
+        if friction > 0.0:
             touching = settle_on(profile, y, friction, start[i], z[i], normal)
+        elif sphere:
+            z[i, 0], z[i, 1], z[i, 2] = into_sphere(profile[0, 0], y[0], y[1], y[2])
+        else:
+            z[i, 0], z[i, 1], z[i, 2] = nearest_within(profile, y[0], y[1], y[2])
         u[i, 0], u[i, 1], u[i, 2] = y[0] - z[i, 0], y[1] - z[i, 1], y[2] - z[i, 2]
         if touching and friction > 0.0:
             along = u[i, 0] * normal[0] + u[i, 1] * normal[1] + u[i, 2] * normal[2]
