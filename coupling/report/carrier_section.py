@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from coupling.metrics.carrier import by_axis
 from coupling.report.figures import motion_figure
 from coupling.report.files import RunFiles
-from coupling.report.page import Section, Table, number
+from coupling.report.page import Picture, Section, Table, number
 
 _ROWS = (
     ("Largest displacement (mm)", "displacement_max_m", 1e3),
@@ -50,6 +52,15 @@ def carrier_section(run: RunFiles) -> Section | None:
                 by_axis(run.results.steps, "support_force"),
                 "springs, dampers (N)",
                 "Tank, and the force of springs and dampers on it beyond that at rest.",
-            )
+            ),
+            *_rotation(run),
         ],
     )
+
+
+def _rotation(run: RunFiles) -> list[Picture]:
+    """How the tank turned; nothing of one that is held against it."""
+    if run.scene.carrier.inertia is None:
+        return []
+    turned = np.degrees(run.results.steps.tank_rotation)
+    return [motion_figure(run, turned, "rotation (°)", "Tank, and its rotation vector.")]

@@ -104,7 +104,7 @@ def front_figure(points: Sequence[Point], reference: str, name: str, bar: float 
 
     The ``reference`` as run has no error against itself: it stands, hollow, at its own (``bar``).
     """
-    figure = new_figure(height=3.0)
+    figure = new_figure(height=3.4)
     axes = figure.subplots()
     seen = [point for point in points if point["wall_s"] and point["error"].get(name)]
     best = [p for p in points if (p["model"], p["resolution"]) == (reference, "as_run")]
@@ -127,8 +127,9 @@ def front_figure(points: Sequence[Point], reference: str, name: str, bar: float 
     markers = [
         Line2D([], [], marker=marker, linestyle="", color=GREY, label=RESOLUTIONS[key])
         for key, marker in _MARKERS.items()
+        if any(point["resolution"] == key for point in (*seen, *best))
     ]
-    axes.legend(handles=markers, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    figure.legend(handles=markers, loc="outside upper left", ncols=2)
     text = (
         f"Speed against error in {COLUMNS[name]}: lower and further left is better; the line joins "
         "those that no other beats. Grey: within the reference’s own error, where no difference "

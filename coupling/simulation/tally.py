@@ -62,9 +62,9 @@ class Tally:
         if not converged:
             self._unconverged(
                 time,
-                f"t = {time:.6g} s: the diaphragm's solver left {state.change:.1e} m of motion, more "
-                f"than cloth.tolerance = {self.scene.cloth.tolerance:g} allows of what the step "
-                "moves, or parts of the sheet in each other.",
+                f"t = {time:.6g} s: the diaphragm's solver left {state.change:.1e} m of motion, "
+                f"more than cloth.tolerance = {self.scene.cloth.tolerance:g} allows of what the "
+                "step moves, or parts of the sheet in each other.",
                 f"Raise cloth.iterations, or halve time.step (it is {self.scene.time.step:g} s).",
             )
 

@@ -12,6 +12,8 @@ from test_free_tank import WATER, free
 
 from coupling.fluids.potential.liquid import PotentialLiquid
 from coupling.ports import Turn
+from coupling.report.carrier_section import carrier_section
+from coupling.report.files import read_run
 from coupling.scene.scene import Scene
 from coupling.simulation.driver import resume, run
 from coupling.store.results import Results, read_results
@@ -174,6 +176,10 @@ def test_tank_of_hardly_any_inertia_is_not_shaken_by_its_sheet(fluid, pushes, tm
     assert summary["cloth"]["unconverged_steps"] == 0
     results = read_results(tmp_path / "run")
     assert 0.01 < np.abs(results.tank_rotation).max() < 0.5
+    section = carrier_section(read_run(tmp_path / "run"))
+    assert section is not None
+    assert len(section.pictures) == 2
+    assert "Largest rotation (°)" in [row[0] for table in section.tables for row in table.rows]
     sheet = diaphragm_of(scene).mass
     moment = np.einsum("n,tnx->tx", sheet, results.position)
     if fluid == "potential":  # the liquid of the other rests in the tank as far as it knows
