@@ -131,7 +131,9 @@ class TankRecoil:
 
     def _linear(self, x: Array) -> Array:
         """What the matrix has of it at ``x`` (n, 3) [m]: forces (n, 3) [N]."""
-        return np.asarray(np.einsum("kix,k->ix", self.push, np.einsum("kix,ix->k", self.pull, x)))
+        count = len(self.push)
+        felt = self.pull.reshape(count, -1) @ x.ravel()
+        return np.asarray(felt @ self.push.reshape(count, -1)).reshape(x.shape)
 
 
 def turned_in(recoil: TankRecoil | None, x: Array, external: Array) -> Array:

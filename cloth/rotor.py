@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from cloth.arrays import Array
+from cloth.compiled import compiled
 from cloth.kinematics import Kinematics
 from cloth.load import Load, Recoil, Rotor
 from cloth.model import ClothModel
@@ -44,17 +45,18 @@ class TurningRecoil(TankRecoil):
         """As of ``TankRecoil``, in a step of ``kin``, with B (r, n, 3) [kg^(1/2)] of the liquid."""
         super().__init__(model, load, recoil, b=kin.b, start=start)
         self._rotor, self._square, self._ahead = rotor, kin.b**2, kin.prediction
-        spun, self._liquid = np.zeros((3, 3)), np.zeros((3, *start.shape))
+        spun, liquid = np.zeros((3, 3)), np.zeros((3, *start.shape))
         if rows is not None:
             over = rows / kin.b
             reach = np.cross(self._ahead, over).sum(axis=1)  # B (e x x^)/b
             if rotor.walls is not None:
                 reach = reach + rotor.walls / kin.b
-            spun, self._liquid = reach.T @ reach, np.einsum("ra,rix->aix", reach, over)
+            spun, liquid = reach.T @ reach, np.einsum("ra,rix->aix", reach, over)
         self._stiffness = spun + rotor.stiffness
-        self._on_free = np.where(model.free[None, :, None], self._liquid, 0.0)
+        on_free = np.where(model.free[None, :, None], liquid, 0.0)
         turn = np.stack([np.cross(axis, self._ahead) for axis in np.eye(3)])
-        inertia = self._mass[:, None] * turn / self._square + self._on_free
+        inertia = self._mass[:, None] * turn / self._square + on_free
+        self._liquid, self._on_free = liquid.reshape(3, -1), on_free.reshape(3, -1)
         weight, lever = self._moment(start), cross_matrix(load.body_force)
         feels = lever - self._scale @ cross_matrix(recoil.prediction)  # of the body force
         acts = _mixed(lever - cross_matrix(recoil.prediction) @ self._scale, self._weight)
@@ -75,28 +77,70 @@ class TurningRecoil(TankRecoil):
 
     def answer(self, x: Array, external: Array) -> Answer:
         """See ``TankRecoil``; ``external`` has a moment about the origin."""
-        recoil, history, weight = self._recoil, self._history(x), self._moment(x)
+        recoil, weight = self._recoil, self._moment(x)
         felt = weight
         if recoil.density != self._load.density:
             felt = first_moment(self._model, recoil.density, x, recoil.below_rim)
-        given = np.einsum("aix,ix->a", self._liquid, x - self._ahead) - self._rotor.torque
-        given = given - np.cross(x, external).sum(axis=0)
-        turned, back, body_force = np.zeros(3), np.eye(3), self._body_force(felt, np.eye(3))
-        for _ in range(SOLVES):
-            missing = given - axial(back @ history) / self._square
-            missing = missing + self._stiffness @ turned - np.cross(weight, body_force)
-            turned = turned - self._inverse @ missing
-            back = rotation_matrix(-turned)
-            body_force = self._body_force(felt, back)
+        given = self._liquid @ (x - self._ahead).ravel() - self._rotor.torque
+        given = given - axial(external.T @ x)
+        turned, back, body_force = _found(
+            self._history(x), given, weight, felt, self._square, self._stiffness, self._inverse,
+            self._load.body_force, recoil.prediction, self._scale,
+        )  # fmt: skip
         more = self._ahead @ (back - np.eye(3)).T / self._square
-        more = more + body_force - self._load.body_force
-        force = self._mass[:, None] * more - np.einsum("aix,a->ix", self._on_free, turned)
+        more = more + (body_force - self._load.body_force)
+        force = self._mass[:, None] * more - (turned @ self._on_free).reshape(-1, 3)
         return Answer(body_force=body_force, force=force - self._linear(x), turned=turned)
 
-    def _body_force(self, felt: Array, back: Array) -> Array:
-        """Gravity less the tank's acceleration (3,) [m/s^2] in axes turned ``back`` (3, 3)."""
-        moved = felt - back @ self._recoil.prediction
-        return np.asarray(back @ self._load.body_force + self._scale @ moved)
+
+@compiled
+def _found(
+    history: Array,
+    given: Array,
+    weight: Array,
+    felt: Array,
+    square: float,
+    stiffness: Array,
+    inverse: Array,
+    base: Array,
+    prediction: Array,
+    scale: Array,
+) -> tuple[Array, Array, Array]:
+    """Solve the equations of moments about the origin for theta.
+
+    Parameters
+    ----------
+    history
+        Sum of m x^ x^T (3, 3) [kg m^2] over tank and sheet.
+    given
+        Moment (3,) [N m] of the liquid's inertia without theta, less all that is given.
+    weight, felt
+        First moments (3,) [kg m] of what has weight, and of what the tank feels move.
+    square
+        b^2 [s^2].
+    stiffness, inverse
+        By how much theta raises ``given``, and the inverse of by how much it raises all of the
+        moments, each (3, 3) [N m] and its inverse.
+    base, prediction, scale
+        b0 (3,) [m/s^2], Q~ (3,) [kg m] and 1/(b^2 M) (3, 3) [1/(kg s^2)].
+
+    Returns
+    -------
+    turned : Array
+        theta (3,) [rad].
+    back : Array
+        exp(-theta) (3, 3).
+    body_force : Array
+        Gravity less the tank's acceleration (3,) [m/s^2], in the axes found.
+    """
+    turned, back = np.zeros(3), np.eye(3)
+    body_force = base + scale @ (felt - prediction)
+    for _ in range(SOLVES):
+        missing = given + stiffness @ turned - axial(back @ history) / square
+        turned = turned - inverse @ (missing - cross_matrix(weight) @ body_force)
+        back = rotation_matrix(-turned)
+        body_force = back @ base + scale @ (felt - back @ prediction)
+    return turned, back, body_force
 
 
 def _mixed(matrix: Array, rows: Array) -> Array:
