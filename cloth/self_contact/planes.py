@@ -99,7 +99,7 @@ def project_planes(
     rub: Array,
     pushed: Array,
 ) -> None:
-    """See ``cloth.self_contact.reference.project_planes``."""
+    """See ``cloth.self_contact.planes_reference.project_planes``."""
     held = np.zeros((len(nodes), 3))
     slip, first, most = np.zeros(3), 0.0, 0.0
     for sweep in range(sweeps):
@@ -195,7 +195,7 @@ def plane_step(
     pressing: Array,
     rhs: Array,
 ) -> None:
-    """See ``cloth.self_contact.reference.plane_step``."""
+    """See ``cloth.self_contact.planes_reference.plane_step``."""
     before, beyond, pushed = z.copy(), np.zeros_like(z), np.zeros(len(nodes))
     rub[:] = 0.0
     for i in range(len(z)):

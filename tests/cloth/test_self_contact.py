@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from cloth.mesh import hemisphere
-from cloth.self_contact import broad_phase, proximity, reference
+from cloth.self_contact import broad_phase, planes_reference, proximity, reference
 from cloth.self_contact import pairs as contact_pairs
 from cloth.self_contact import planes as contact_planes
 from cloth.self_contact.crossing import crossing_kernel, crossing_pairs
@@ -398,7 +398,7 @@ def test_planes_match_the_reference_and_hold_their_gaps(friction: float):
     weight = np.where(np.arange(len(x)) % 7 > 0, 3.0, 0.0)
     before = x + np.where(upper[:, None], [1e-4, 3e-4, 0.0], 0.0)
     answers = []
-    for module, shape in ((reference, shell.radius), (contact_planes, shell.profile)):
+    for module, shape in ((planes_reference, shell.radius), (contact_planes, shell.profile)):
         z, u, rhs = start.copy(), np.zeros_like(start), np.zeros_like(start)
         rub, pressing = np.ones_like(start), np.ones((len(start), 2))
         module.plane_step(
