@@ -25,7 +25,7 @@ from typing import Any
 from unittest.mock import patch
 
 from coupling.interface.contact_curve import ContactSettings
-from coupling.interface.free_patch import PatchSettings
+from coupling.interface.patch_settings import PatchSettings
 from coupling.interface.weights import Support
 from coupling.scene.scene import load_scene
 from coupling.schemes.iqn_ils import IqnIlsSettings

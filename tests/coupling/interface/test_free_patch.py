@@ -12,8 +12,9 @@ from coupling.finite_volume.geometry import face_centres_and_areas
 from coupling.finite_volume.mesh import half_ball
 from coupling.finite_volume.swept import cross, pressure_force, swept_gradient, swept_rows
 from coupling.interface.creases import give_way, least_sine
-from coupling.interface.free_patch import FreePatch, PatchSettings
+from coupling.interface.free_patch import FreePatch
 from coupling.interface.liquid_shape import volume_below
+from coupling.interface.patch_settings import PatchSettings
 from coupling.ports import Cause, StepFailed
 
 RADIUS = 0.4445
