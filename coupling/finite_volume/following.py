@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from coupling.finite_volume.geometry import (
 from coupling.finite_volume.mesh import LiquidMesh
 from coupling.finite_volume.mesh_shape import MeshShape
 from coupling.finite_volume.swept import level_shift
-from coupling.ports import Array, Cause, Ints, RunFailed, StepFailed, Turn
+from coupling.ports import Array, Cause, Confinement, Ints, RunFailed, StepFailed, Turn
 
 SKEWED = 75.0  # degrees of non-orthogonality beyond which the mesh is made anew
 BETTER = 5.0  # degrees that a new mesh must gain
@@ -26,17 +25,6 @@ BETTER = 5.0  # degrees that a new mesh must gain
 DEPTH, EDGE = 0.01, 0.1
 
 _log = logging.getLogger(__name__)
-
-
-class Confinement(Protocol):
-    """What keeps the mesh in: a tank however it lies. See ``Shell``."""
-
-    @property
-    def size(self) -> float:
-        """Radius [m] of the rim's circle, over which lengths are taken."""
-
-    def confine(self, x: Array, depth: Array | float = 0.0) -> Array:
-        """``x`` (n, 3) [m], what lies less than ``depth`` (n,) sizes inside moved to there."""
 
 
 class FollowingMesh:

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from coupling.finite_volume.mesh import LiquidMesh, shell_shares
 from coupling.finite_volume.swept import cross
-from coupling.ports import Array, Ints
+from coupling.ports import Array, Ints, OnRays
 
-EVEN = 65  # places of a long arc at which its length is known; between them it is linear
-
-
-class OnRays(Protocol):
-    """What the points stand on: a shell, or a tank however it lies. See ``Shell``."""
-
-    def on_rays(self, directions: Array) -> Array:
-        """Where rays from the origin in ``directions`` (n, 3), of length 1, meet it (n, 3) [m]."""
+# Places of a long arc at which its length is known, between which it is linear: 17 move omega^2 of
+# a pill's lowest wave by 1e-4, 257 by 3e-6.
+EVEN = 65
 
 
 class ShellArcs:

@@ -28,12 +28,14 @@ from coupling.ports.structure import (
     StructureState,
 )
 from coupling.ports.turn import Turn
+from coupling.ports.walls import Confinement, OnRays
 
 __all__ = [
     "AT_REST",
     "AnyArray",
     "Array",
     "Cause",
+    "Confinement",
     "DiaphragmState",
     "Flow",
     "FlowSample",
@@ -43,6 +45,7 @@ __all__ = [
     "IterativeStructure",
     "LiquidInertia",
     "LiquidSample",
+    "OnRays",
     "Recoil",
     "Rotor",
     "RunFailed",

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from coupling.finite_volume.coarsening import Coarsening
-from coupling.finite_volume.following import Confinement, FollowingMesh
+from coupling.finite_volume.following import FollowingMesh
 from coupling.finite_volume.geometry import centre_of_gravity
 from coupling.finite_volume.gradients import wall_pressure
 from coupling.finite_volume.liquid_inertia import LiquidInertia, NeumannLaplacian
@@ -27,7 +27,7 @@ from coupling.foam.keepalive import case_of
 from coupling.foam.kept_times import KeptTimes
 from coupling.foam.packed_times import packed, unpack
 from coupling.foam.process import OpenFoam
-from coupling.ports import AnyArray, Array, FlowSample, InterfaceMotion, Ints, Turn
+from coupling.ports import AnyArray, Array, Confinement, FlowSample, InterfaceMotion, Ints, Turn
 
 
 class OpenFoamFlow:
