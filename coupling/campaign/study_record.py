@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from coupling.campaign.bernoulli_errors import with_errors
 from coupling.campaign.error_sources import UNKNOWN, coarsening_of
 from coupling.campaign.record_study import record_study
 from coupling.campaign.study_plan import AS_RUN, STRETCH, THESIS, Entry
@@ -21,7 +22,6 @@ from coupling.store.results import open_results, read_results
 from coupling.store.step_series import StepSeries
 
 Summary = Mapping[str, Any]
-MEASURED = ("kinetic_ratio", "unsteady_ratio", "dynamic_fraction", "neglected_momentum")
 FIGURES_WITH_FRONT = ("shape_rms", "cg_amplitude", "force_amplitude", "pressure_rms")
 
 
@@ -140,20 +140,8 @@ class StudyRecord:
     def _bernoulli(self, best: str | None) -> dict[str, dict[str, float | None]]:
         """The reference's ratios, each with its own estimated error."""
         found = self._found(best)
-        ratios = (found[1].get("bernoulli") or {}) if found else {}
-        measured = {name: value for name in MEASURED if (value := ratios.get(name)) is not None}
-        own = {
-            entry.resolution: {
-                name: abs(other - value)
-                for name, value in measured.items()
-                if (other := (summary.get("bernoulli") or {}).get(name)) is not None
-            }
-            for entry, summary in self._of_reference(best)
-        }
-        bars = error_bars(own, self._coarsening(best), list(measured))
-        return {
-            name: {"value": value, "uncertainty": bars[name]} for name, value in measured.items()
-        }
+        coarser = {entry.resolution: summary for entry, summary in self._of_reference(best)}
+        return with_errors(found[1] if found else {}, coarser, self._coarsening(best))
 
     def _record(self, best: str | None) -> dict[str, Any] | None:
         """What a study by a record says by bands of frequency; None for any other."""
