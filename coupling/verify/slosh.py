@@ -67,8 +67,8 @@ def slosh(
 
     - ``openfoam`` releases the surface from the mode's shape and goes through the whole coupling;
       level and mode one of those tabulated. ``step`` [s], 0 for 0.01; ``resolution``: cells of the
-      mesh, 0 for 1300. The error is second order in the grid and, with -2/3 (omega dt)^2, in the
-      step.
+      mesh, at most, 0 for 1300. The error is second order in the grid and, with
+      -2/3 (omega dt)^2, in the step.
     - ``potential`` solves for the modes of the surface on the liquid of harmonic polynomials, at
       any level from 0.2 to 1.8, mode 1 to 3; ``resolution``: their degree d, 0 for 16, with 4 d^2
       faces on the surface. The error is of order 2 in 1/d where the polynomials hold the mode; the
