@@ -23,12 +23,11 @@ from coupling.ports.structure import (
     IterativeStructure,
     Recoil,
     Rotor,
-    Shell,
     Structure,
     StructureState,
 )
 from coupling.ports.turn import Turn
-from coupling.ports.walls import Confinement, OnRays
+from coupling.ports.walls import Confinement, OnRays, Shell
 
 __all__ = [
     "AT_REST",
