@@ -12,9 +12,9 @@ from coupling.fluids.potential.harmonics import harmonics_in
 from coupling.fluids.potential.ritz import (
     cone_integral,
     regular_inverse,
-    slowest_wave,
     wall_integral,
 )
+from coupling.fluids.potential.surface_waves import slowest_wave
 from coupling.ports import Array
 
 if TYPE_CHECKING:

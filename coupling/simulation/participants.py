@@ -18,12 +18,11 @@ from coupling.fluids.supply import supply_of
 from coupling.interface.liquid_shape import liquid_cg
 from coupling.metrics.expulsion import Expulsion
 from coupling.metrics.fold_figures import FoldFigures
-from coupling.motion.carrier import Carrier, Prescribed
 from coupling.motion.frame import frame_of
-from coupling.motion.free_tank import FreeTank
 from coupling.ports import AnyArray, Array, HydrostaticLoad, LiquidSample, StepReport, TimeStep
 from coupling.scene.choices import AUTO
 from coupling.scene.scene import Scene
+from coupling.simulation.carried import carrier_of
 from coupling.simulation.energy import Instant, instant_of
 from coupling.simulation.pressure_band import PressureBand
 from coupling.simulation.sampling import at_nodes, sample_at, still
@@ -58,24 +57,14 @@ class Participants:
         self.folds = FoldFigures(scene, self.cloth.reference, self.cloth.triangles)
         self.expulsion = Expulsion(scene, self.cloth.triangles)
         self.tally = Tally(scene, self.cloth.thickness, areas)
-        self.carrier = self._carrier()
+        self.carrier = carrier_of(
+            scene, self.frame, sheet=float(self.cloth.mass.sum()), felt=self.model.has_flow
+        )
         self.step: TimeStep = DryStep(self.cloth)  # until the liquid is there
         self.halving = Halving(control=self._error_control(), again=self._again)
         self.band = PressureBand(scene)
         self.settled: dict[str, AnyArray] = {}  # the diaphragm at rest
         self._parts: list[tuple[float, SheetLosses, bool]] = []  # of the last step: length [s], ...
-
-    def _carrier(self) -> Carrier:
-        """What carries the tank; a free one knows what it contains."""
-        section, density = self.scene.carrier, self.scene.liquid.density
-        if section.mass is None:
-            return Prescribed(self.frame)
-        contents = density * self.supply.volume(0.0) + float(self.cloth.mass.sum())
-        felt = density if self.model.has_flow else 0.0
-        below = np.array([0.0, 0.0, self.scene.tank.shell.moment_below(0.0)])
-        return FreeTank(
-            section, self.frame, mass=section.mass + contents, density=felt, below_rim=below
-        )
 
     def _moment(self) -> Array:
         """First moment (3,) [kg m] of the sheet, and of a liquid that has a flow."""

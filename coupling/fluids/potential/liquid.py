@@ -17,9 +17,9 @@ from coupling.fluids.potential.ritz import (
     RitzLiquid,
     RitzShape,
     bernoulli,
-    slowest_wave,
     wall_integral,
 )
+from coupling.fluids.potential.surface_waves import slowest_wave
 from coupling.fluids.potential.wall_layers import WallLayers, slip_form
 from coupling.interface.contact_distance import ContactDistance
 from coupling.ports import Array, Ints, LiquidSample, Shell, Turn
