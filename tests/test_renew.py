@@ -32,7 +32,7 @@ def writing(content):
 def test_every_case_with_a_study_or_a_sweep_is_known():
     assert {one.name for one in renew.cases()} == {
         "auto_check", "expulsion", "free_tank", "lorry_record", "pad_sway", "pad_sway_coarse",
-        "steady_shapes", "sway_map",
+        "steady_shapes", "sway_map", "thickness",
     }  # fmt: skip
     [block] = renew.blocks((renew.HERE / "pad_sway" / "README.md").read_text(encoding="utf-8"))
     assert block.count("edt study foam_cases/pad_sway ") == 2
