@@ -45,27 +45,41 @@ class TurningRecoil(TankRecoil):
         """As of ``TankRecoil``, in a step of ``kin``, with B (r, n, 3) [kg^(1/2)] of the liquid."""
         super().__init__(model, load, recoil, b=kin.b, start=start)
         self._rotor, self._square, self._ahead = rotor, kin.b**2, kin.prediction
-        spun, liquid = np.zeros((3, 3)), np.zeros((3, *start.shape))
-        if rows is not None:
-            over = rows / kin.b
-            reach = np.cross(self._ahead, over).sum(axis=1)  # B (e x x^)/b
-            if rotor.walls is not None:
-                reach = reach + rotor.walls / kin.b
-            spun, liquid = reach.T @ reach, np.einsum("ra,rix->aix", reach, over)
+        liquid, spun = self._liquid_rows(rows, kin.b)
         self._stiffness = spun + rotor.stiffness
         on_free = np.where(model.free[None, :, None], liquid, 0.0)
-        turn = np.stack([np.cross(axis, self._ahead) for axis in np.eye(3)])
-        inertia = self._mass[:, None] * turn / self._square + on_free
         self._liquid, self._on_free = liquid.reshape(3, -1), on_free.reshape(3, -1)
-        weight, lever = self._moment(start), cross_matrix(load.body_force)
-        feels = lever - self._scale @ cross_matrix(recoil.prediction)  # of the body force
-        acts = _mixed(lever - cross_matrix(recoil.prediction) @ self._scale, self._weight)
-        felt = _mixed(lever, self._weight) - _mixed(cross_matrix(weight) @ self._scale, self._felt)
+        self._inverse = self._take_turn(start, on_free)
+
+    def _liquid_rows(self, rows: Array | None, b: float) -> tuple[Array, Array]:
+        """E^T B/b (3, n, 3) [N] and E^T E (3, 3) [N m]: the forces and moments of theta."""
+        if rows is None:
+            return np.zeros((3, *self._ahead.shape)), np.zeros((3, 3))
+        over = rows / b
+        reach = np.cross(self._ahead, over).sum(axis=1)  # E: first B (e x x^)/b
+        if self._rotor.walls is not None:
+            reach = reach + self._rotor.walls / b
+        return np.einsum("ra,rix->aix", reach, over), reach.T @ reach
+
+    def _take_turn(self, start: Array, on_free: Array) -> Array:
+        """Take theta's answer to the sheet's motion into ``push`` and ``pull``, about ``start``.
+
+        ``on_free`` (3, n, 3) [N]: what theta has the liquid do on free nodes. Returns the inverse
+        (3, 3) of by how much theta raises the moments.
+        """
+        weight, base = self._moment(start), cross_matrix(self._load.body_force)
+        moved, scale = cross_matrix(self._recoil.prediction), self._scale
         whole = self._history(start)
         matrix = (np.trace(whole) * np.eye(3) - whole) / self._square + self._stiffness
-        self._inverse = np.linalg.inv(matrix - cross_matrix(weight) @ feels)
-        push, pull = inertia + acts, _mixed(self._inverse, inertia + felt)
+        # What theta adds to the body force has a moment too.
+        inverse = np.linalg.inv(matrix - cross_matrix(weight) @ (base - scale @ moved))
+        turn = np.stack([np.cross(axis, self._ahead) for axis in np.eye(3)])
+        inertia = self._mass[:, None] * turn / self._square + on_free
+        push = inertia + _mixed(base - moved @ scale, self._weight)
+        pull = inertia + _mixed(base, self._weight)
+        pull = _mixed(inverse, pull - _mixed(cross_matrix(weight) @ scale, self._felt))
         self.push, self.pull = np.concatenate([self.push, push]), np.concatenate([self.pull, pull])
+        return np.asarray(inverse)
 
     def _history(self, x: Array) -> Array:
         """Sum of m x^ x^T (3, 3) [kg m^2], prediction times place, over tank and sheet."""
