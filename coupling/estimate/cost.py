@@ -35,12 +35,14 @@ class _Growth:
 # take more iterations. Relaxed folds: fitted to 8, 16, 24 and 40 rings; resolved: to 24 and 42.
 _STEP = {"relaxed": _Growth(0.018, 0.100, 3.5), "resolved": _Growth(0.018, 0.050, 3.5)}
 _SETTLING = {"relaxed": _Growth(0.9, 7.7, 3.3), "resolved": _Growth(0.9, 2.4, 2.0)}
+_ATTEMPTS = 2.0  # at a step whose tank turns freely: 2 or 3 (``foam_cases/free_tank``)
 _MEMORY = _Growth(325e6, 30e6, 2.0)  # bytes of the program with its libraries, and of the diaphragm
 
 
 def step_cost(scene: Scene, fluid: str) -> float:
     """Estimated CPU time of one step [s] with ``fluid`` in place of the scene's own model."""
-    return FLUIDS[fluid].step_cost(scene, _STEP[scene.cloth.wrinkling].of(scene))
+    attempts = 1.0 if scene.carrier.inertia is None else _ATTEMPTS
+    return attempts * FLUIDS[fluid].step_cost(scene, _STEP[scene.cloth.wrinkling].of(scene))
 
 
 def start_cost(scene: Scene, fluid: str) -> float:
