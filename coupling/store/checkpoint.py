@@ -19,7 +19,7 @@ AnyArray = NDArray[Any]
 
 # What the parts hold: raised with every change that a run cannot go on across. Files before 2 do
 # not say theirs.
-SCHEMA = 9
+SCHEMA = 10
 _MEND = "Run the scene again: edt run SCENE -o DIR --force."
 
 
