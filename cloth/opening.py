@@ -99,7 +99,7 @@ class Opening:
         system = systems.of(settings, penalty, kin.b)
         system.add_mass(rows)
         if self.recoil is not None:
-            system.take_recoil(self.recoil.push, self.recoil.pull)
+            self.recoil.take_into(system)
         constant = constant_force(model, settings, system, kin, self.own, load, rows, driven)
         return StepProblem(
             model=model, settings=settings, penalty=penalty, system=system, dt=self.dt,

@@ -18,6 +18,7 @@ import numpy as np
 
 from cloth.arrays import Array, Ints
 from cloth.compiled import compiled
+from cloth.linear import System
 from cloth.load import Load, Recoil
 from cloth.model import ClothModel
 
@@ -96,29 +97,31 @@ class TankRecoil:
         self, model: ClothModel, load: Load, recoil: Recoil, *, b: float, start: Array
     ) -> None:
         """In a step of the time ``b`` [s], whose end is looked for from ``start`` (n, 3) [m]."""
-        self._model, self._load, self._recoil = model, load, recoil
+        self._model, self._load, self._recoil, self._start = model, load, recoil, start
         self._scale = recoil.compliance / b**2
         root = np.linalg.cholesky(self._scale).T
         same = recoil.density == load.density
-        self._weight = self._rows(load.density, start)
-        self._felt = self._weight if same else self._rows(recoil.density, start)
+        self._weight = moment_rows(model, load.density, start)
+        self._felt = self._weight if same else moment_rows(model, recoil.density, start)
         self.push = np.einsum("jk,kix->jix", root, self._weight)
         self.pull = self.push if same else np.einsum("jk,kix->jix", root, self._felt)
         self._mass = np.where(model.free, model.mass, 0.0)
 
-    def _rows(self, density: float, start: Array) -> Array:
-        """``moment_rows``, about the height at which they feel the volume least.
+    def take_into(self, system: System) -> None:
+        """Take it into the matrix A of ``system``, but for what changes a volume that is kept.
 
-        A pressure that is the same everywhere is the datum's, and the volume does not change: about
-        which point moments are taken is no matter to the step, but about a far one they would
-        outweigh an inertia that has no part in a changing volume.
+        A pressure that is the same everywhere is the datum's: forces along the volume's gradient g
+        are no matter to the step. The liquid's inertia has no part in them, and what the tank takes
+        of them may be more than all that A has; so rows lose what moves A^-1 g.
         """
-        rows = moment_rows(self._model, density, start)
-        if self._load.volume is not None and density:
-            _, gradient = self._model.volume_and_gradient(start)
-            arm = np.einsum("kix,ix->k", rows, gradient) / float(np.vdot(gradient, gradient))
-            rows = rows - arm[:, None, None] * gradient
-        return rows
+        same = self.pull is self.push
+        if self._load.volume is not None:
+            _, gradient = self._model.volume_and_gradient(self._start)
+            moved = system.solve(gradient)
+            moved /= float(np.vdot(gradient, moved))
+            self.push = _without(self.push, gradient, moved)
+            self.pull = self.push if same else _without(self.pull, gradient, moved)
+        system.take_recoil(self.push, self.pull)
 
     def answer(self, x: Array, external: Array) -> Answer:
         """Of the tank to a sheet at ``x`` (n, 3) [m], with ``external`` forces (n, 3) [N] on it."""
@@ -134,6 +137,12 @@ class TankRecoil:
         count = len(self.push)
         felt = self.pull.reshape(count, -1) @ x.ravel()
         return np.asarray(felt @ self.push.reshape(count, -1)).reshape(x.shape)
+
+
+def _without(rows: Array, gradient: Array, moved: Array) -> Array:
+    """Return ``rows`` (k, n, 3) less their part ``moved`` (n, 3) along the ``gradient`` (n, 3)."""
+    along = rows.reshape(len(rows), -1) @ moved.ravel()
+    return np.asarray(rows - along[:, None, None] * gradient)
 
 
 def turned_in(recoil: TankRecoil | None, x: Array, external: Array) -> Array:

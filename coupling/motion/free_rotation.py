@@ -15,14 +15,15 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cloth.kinematics import Kinematics, kinematics
-from cloth.rotation import axial, rotation_matrix
+from cloth.rotation import axial, cross_matrix, rotation_matrix
 from coupling.motion.table import TableMotion
-from coupling.ports import Array, Rotor, Turn
+from coupling.ports import Array, Rotor, RunFailed, Turn
 from coupling.scene.carrier import Carrier
 
 _STATE = ("attitude", "spin")  # R and R' (3, 3)
 # Committed, beside that of the step before: moments (3,) [N m] on the tank of all but its contents,
 # and on the contents, its angular velocity (3,) [rad/s], all in the ground's axes; energies [J].
+_SMALL = 1e-4  # rad, below which 1/12 is the factor of the Jacobian's square to rounding
 _VECTORS = ("support", "given", "rate", "work", "damped", "contents")
 
 
@@ -121,9 +122,8 @@ class FreeRotation:
     def _support(self, attitude: Array, rate: Array) -> Array:
         """Moment (3,) [N m] of what holds the tank, in the ground's axes; ``rate`` in its own."""
         turned = Rotation.from_matrix(attitude).as_rotvec()
-        return np.asarray(
-            self._now["held"] - self._springs * turned - self._dampers * (attitude @ rate)
-        )
+        springs = _potential_moment(turned, self._springs)
+        return np.asarray(self._now["held"] + springs - self._dampers * (attitude @ rate))
 
     def accept(self, turned: Array) -> Array:
         """Commit the open part, which ends ``turned`` (3,) [rad] beyond what it presumes.
@@ -133,6 +133,7 @@ class FreeRotation:
         self.presume(turned)
         part, now = self._opened, self._now
         ground, kin, dt = part.presumed, part.kin, part.end - part.start
+        self._refuse_half_turn(ground)
         rate = ground @ part.rate(ground)
         support = self._support(ground, part.rate(ground))
         taken = -axial(ground.T @ kin.prediction @ self._second) / kin.b**2
@@ -151,6 +152,18 @@ class FreeRotation:
             "contents": now["contents"] + 0.5 * dt * (now["given"] * now["rate"] + given * rate),
         }  # fmt: skip
         return ground
+
+    def _refuse_half_turn(self, ground: Array) -> None:
+        """Raise ``RunFailed`` where springs would hold a tank from the other side."""
+        before, after = (
+            Rotation.from_matrix(one).as_rotvec() for one in (self._now["attitude"], ground)
+        )
+        if self._springs.any() and float(before @ after) < 0.0 and after @ after > 0.25 * np.pi**2:
+            raise RunFailed(
+                f"t = {self._opened.end:.6g} s: the tank has turned by half a revolution, past "
+                "which its rotational springs pull it on. Make them stiffer, or leave "
+                "carrier.rotational_springs out."
+            )
 
     @property
     def attitude(self) -> Array:
@@ -182,6 +195,21 @@ class FreeRotation:
     def restore(self, saved: Mapping[str, Array]) -> None:
         """The reverse of ``save``; other entries are ignored."""
         self._now = {name: saved[f"rotation_{name}"] for name in self._now}
+
+
+def _potential_moment(turned: Array, springs: Array) -> Array:
+    """Moment (3,) [N m] of the energy turned . K turned/2 at a rotation vector ``turned`` (3,).
+
+    The angular velocity in the ground's axes is J d(turned)/dt with the left Jacobian J of the
+    rotations (Sola et al., A micro Lie theory, 2018, eq. 146), so that it is -J^-T K turned: that
+    of unequal ``springs`` K (3,) [N m/rad] is -K turned only where the tank hardly turns.
+    """
+    cross, angle = cross_matrix(turned), float(np.linalg.norm(turned))
+    curved = 1.0 / 12.0
+    if angle > _SMALL:
+        curved = (1.0 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
+    inverse = np.eye(3) + 0.5 * cross + curved * cross @ cross
+    return np.asarray(-inverse @ (springs * turned))
 
 
 def _skew(matrix: Array) -> Array:

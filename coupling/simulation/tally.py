@@ -115,5 +115,6 @@ class Tally:
         if count > share * steps + ROUNDING:
             raise RunFailed(
                 f"{message} {count} of {steps} steps did not converge, and no more than "
-                f"{share:g} of them may (coupling.max_unconverged_share). {mend}"
+                f"{share:g} of them may (coupling.max_unconverged_share). {mend} "
+                "Or raise that share."
             )

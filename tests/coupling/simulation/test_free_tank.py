@@ -31,7 +31,7 @@ def free(**changes: dict) -> Scene:
         "time": {"duration": 0.5, "step": 0.01, "output_every": 1},
     }  # fmt: skip
     for section, values in changes.items():
-        data[section] = data.get(section, {}) | values
+        data[section] = data.get(section, {}) | values if isinstance(values, dict) else values
     return scene_from(data)
 
 
