@@ -9,7 +9,7 @@ are about the ground's axes. What the contents do stands in the sheet's own step
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -20,10 +20,9 @@ from coupling.motion.table import TableMotion
 from coupling.ports import Array, Rotor, RunFailed, Turn
 from coupling.scene.carrier import Carrier
 
-_STATE = ("attitude", "spin")  # R and R' (3, 3)
-# Committed, beside that of the step before: moments (3,) [N m] on the tank of all but its contents,
-# and on the contents, its angular velocity (3,) [rad/s], all in the ground's axes; energies [J].
 _SMALL = 1e-4  # rad, below which 1/12 is the factor of the Jacobian's square to rounding
+# Committed, beside R and R' (3, 3): moments (3,) [N m] on the tank of all but its contents, and on
+# the contents, its angular velocity (3,) [rad/s], all in the ground's axes; energies [J].
 _VECTORS = ("support", "given", "rate", "work", "damped", "contents")
 
 
@@ -83,9 +82,7 @@ class FreeRotation:
         """Presume an attitude that is ``turned`` (3,) [rad] further, in the axes of the last."""
         part = self._opened
         further = Rotation.from_matrix(part.presumed @ rotation_matrix(turned)).as_matrix()
-        self._part = _Part(
-            start=part.start, end=part.end, kin=part.kin, presumed=further, pushed=part.pushed
-        )
+        self._part = replace(part, presumed=further)
 
     @property
     def _opened(self) -> _Part:

@@ -99,7 +99,8 @@ class Halving:
         try:
             good = step.attempt(now, dt, load(now, now + dt))
             for _ in range(REPEATED):
-                if (repeated := self.again()) is None:
+                # What is halved all the same needs no other load.
+                if not (good or last) or (repeated := self.again()) is None:
                     break
                 good = step.attempt(now, dt, repeated)
             else:

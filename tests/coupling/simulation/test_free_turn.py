@@ -272,6 +272,31 @@ def test_unequal_springs_keep_the_energy(tmp_path):
     assert left[0] / left[1] > 3.0
 
 
+def test_half_a_turn_on_springs_ends_the_run(tmp_path):
+    """Their rotation vector would point the other way; without springs it may turn as it likes."""
+    file = tmp_path / "twist.csv"
+    file.write_text("time (s),fx (N),fy (N),fz (N),mx (N m),my (N m),mz (N m)\n"
+                    "0,0,0,0,0,0,40\n2,0,0,0,0,0,40\n")  # fmt: skip
+    turned = []
+    for springs in ([0.0] * 3, [0.0, 0.0, 1.0]):
+        scene = free(
+            model={"fluid": "hydrostatic"}, diaphragm={"held": True},
+            carrier={
+                "mass": 20.0, "inertia": [3.0] * 3, "rotational_springs": springs,
+                "force_file": str(file),
+            },
+            time={"duration": 0.9},
+        )  # fmt: skip
+        folder = tmp_path / str(springs[2])
+        summary = run(scene, folder)
+        assert summary["status"] == ("failed" if any(springs) else "completed")
+        assert not any(springs) or "turned by half a revolution" in summary["error"]
+        turned.append(read_results(folder).steps.tank_rotation[:, 2])
+    # 40 N m on less than 4 kg m^2: more than 4 rad, of which the rotation vector says 2 pi less.
+    assert turned[0].min() < 0.0 < 2.8 < turned[0].max()
+    assert 2.8 < turned[1].max() <= np.pi
+
+
 def test_interrupted_it_goes_on_bit_for_bit(pushes, tmp_path):
     changes = {
         "model": {"fluid": "potential"},

@@ -91,3 +91,28 @@ def test_a_step_that_fails_is_halved_and_the_last_failure_is_raised():
     step.attempt = failing
     with pytest.raises(StepFailed, match="no mesh"):
         Halving().advance(step, 0.0, 0.1, lambda start, end: None)
+
+
+def test_an_attempt_is_repeated_until_its_load_is_what_it_should_have_been():
+    """And then accepted once; where it never is, the step is halved, and fails in the end."""
+    step, loads = Impact(), [object(), object(), None]
+    halving = Halving(again=lambda: loads.pop(0))
+    assert halving.advance(step, 0.0, 0.1, lambda start, end: None) == 1
+    assert (len(step.attempts), len(step.accepted)) == (3, 1)
+    step = Impact()
+    halving = Halving(HalvingSettings(halvings=1), again=object)
+    with pytest.raises(ArithmeticError, match="its attitude is not found in"):
+        halving.advance(step, 0.0, 0.1, lambda start, end: None)
+    assert {dt for _, dt in step.attempts} == {0.1, 0.05}
+    assert not step.accepted
+
+
+def test_what_is_halved_all_the_same_is_not_repeated():
+    class Unconverged(Impact):
+        def attempt(self, now, dt, load):
+            return super().attempt(now, dt, load) and dt < 0.1
+
+    step, asked = Unconverged(), []
+    halving = Halving(again=lambda: asked.append(len(step.attempts)))
+    assert halving.advance(step, 0.0, 0.1, lambda start, end: None) == 2
+    assert asked == [2, 3]  # after either half, not after the whole

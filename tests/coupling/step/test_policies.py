@@ -139,3 +139,35 @@ def test_a_secant_solves_a_linear_step_without_policies():
     problem = Linear(-5.0)
     coupled(problem, AddedMass(), policies=False).attempt(0.0, 0.1, None)
     assert problem.images == 3  # two residuals make a secant
+
+
+def test_an_attempt_that_is_not_accepted_leaves_no_trace():
+    """A second one begins where the first did: on its map, and with the scheme's memory of then."""
+
+    class Counting(FixedPoint):
+        updates = 0
+
+        def update(self, points, residual):
+            self.updates += 1
+            return super().update(points, residual)
+
+        def save(self):
+            return {"updates": np.array(self.updates)}
+
+        def restore(self, saved):
+            self.updates = int(saved["updates"])
+
+    problem, scheme = Linear(0.5), Counting()
+    step = coupled(problem, scheme)
+    step.attempt(0.0, 0.1, None)
+    once = scheme.updates
+    assert once > 5
+    assert not problem.abandoned
+    step.attempt(0.0, 0.05, None)
+    assert problem.abandoned
+    assert scheme.updates == once
+    problem.abandoned = False
+    step.accept()
+    step.attempt(0.1, 0.1, None)
+    assert not problem.abandoned
+    assert scheme.updates == 2 * once
